@@ -1,0 +1,1 @@
+//! Placeholder until the binding lands in the next commit.

@@ -1,0 +1,3 @@
+//! A renderer for hard light: caustics, glass in glass, light through a door ajar.
+
+pub mod math;

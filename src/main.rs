@@ -1,0 +1,3 @@
+//! The `lumiflow` command.
+
+fn main() {}

@@ -1,0 +1,10 @@
+//! Vectors, colours, densities and statistics: what every other layer speaks in.
+//!
+//! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32): geometry is single precision, products along a
+//! path and sums are `f64`.
+
+mod rgb;
+
+pub use rgb::Rgb;
+
+pub use glam::{Mat3, Mat4, Vec2, Vec3};
