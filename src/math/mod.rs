@@ -3,8 +3,14 @@
 //! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32): geometry is single precision, products along a
 //! path and sums are `f64`.
 
+pub mod distribution;
+mod frame;
+mod measure;
 mod rgb;
+pub mod warp;
 
+pub use frame::{Frame, Local};
+pub use measure::{AreaDensity, SolidAngleDensity};
 pub use rgb::Rgb;
 
 pub use glam::{Mat3, Mat4, Vec2, Vec3};

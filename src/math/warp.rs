@@ -1,0 +1,175 @@
+//! Maps from the unit square to the domains that rendering samples, each with its density.
+//!
+//! Every warp is one-to-one up to a null set, and its `_inverse` undoes it: primary-sample-space
+//! and path-space kernels need both directions to work on one chain.
+
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+use super::{Vec2, Vec3};
+
+/// The largest `f32` below one: keeps uniform numbers inside `[0, 1)` after arithmetic.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Uniform on the unit disk, with little distortion of neighbouring strata.
+///
+/// Source: Shirley & Chiu 1997.
+#[inline]
+pub fn uniform_disk(u: Vec2) -> Vec2 {
+    let a = 2.0 * u.x - 1.0;
+    let b = 2.0 * u.y - 1.0;
+    if a == 0.0 && b == 0.0 {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if a * a > b * b {
+        (a, FRAC_PI_4 * (b / a))
+    } else {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    };
+    let (sin, cos) = (angle).sin_cos();
+    Vec2::new(radius * cos, radius * sin)
+}
+
+/// Undoes [`uniform_disk`].
+pub fn uniform_disk_inverse(point: Vec2) -> Vec2 {
+    let radius = point.length();
+    let angle = point.y.atan2(point.x);
+    // The four wedges of the square, each around one half axis.
+    let (a, b) = if (-FRAC_PI_4..FRAC_PI_4).contains(&angle) {
+        (radius, radius * angle / FRAC_PI_4)
+    } else if (FRAC_PI_4..3.0 * FRAC_PI_4).contains(&angle) {
+        (-radius * (angle - FRAC_PI_2) / FRAC_PI_4, radius)
+    } else if (-3.0 * FRAC_PI_4..-FRAC_PI_4).contains(&angle) {
+        (radius * (angle + FRAC_PI_2) / FRAC_PI_4, -radius)
+    } else {
+        let behind = if angle > 0.0 { angle - PI } else { angle + PI };
+        (-radius, -radius * behind / FRAC_PI_4)
+    };
+    Vec2::new((a + 1.0) / 2.0, (b + 1.0) / 2.0)
+}
+
+/// Density of [`uniform_disk`], in 1/m² on the unit disk.
+pub const UNIFORM_DISK_DENSITY: f32 = FRAC_1_PI;
+
+/// Cosine-weighted on the hemisphere around +z.
+#[inline]
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let p = uniform_disk(u);
+    // Kept off the horizon, where the density is zero.
+    let z = (1.0 - p.length_squared()).max(1e-12).sqrt();
+    Vec3::new(p.x, p.y, z)
+}
+
+/// Undoes [`cosine_hemisphere`].
+pub fn cosine_hemisphere_inverse(direction: Vec3) -> Vec2 {
+    uniform_disk_inverse(direction.truncate())
+}
+
+/// Density of [`cosine_hemisphere`], in 1/sr; zero below the horizon.
+#[inline]
+pub fn cosine_hemisphere_density(cos: f32) -> f32 {
+    cos.max(0.0) * FRAC_1_PI
+}
+
+/// Uniform on the unit sphere.
+#[inline]
+pub fn uniform_sphere(u: Vec2) -> Vec3 {
+    let z = 1.0 - 2.0 * u.y;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u.x).sin_cos();
+    Vec3::new(r * cos, r * sin, z)
+}
+
+/// Undoes [`uniform_sphere`].
+pub fn uniform_sphere_inverse(direction: Vec3) -> Vec2 {
+    Vec2::new(turn(direction.truncate()), (1.0 - direction.z) / 2.0)
+}
+
+/// Density of [`uniform_sphere`], in 1/sr.
+pub const UNIFORM_SPHERE_DENSITY: f32 = FRAC_1_PI / 4.0;
+
+/// Uniform in the cone around +z whose half angle has the cosine `1 − one_minus_cos`.
+///
+/// The opening is given as `1 − cos` because a narrow cone's cosine rounds to one.
+#[inline]
+pub fn uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
+    let drop = u.y * one_minus_cos;
+    let r = (drop * (2.0 - drop)).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u.x).sin_cos();
+    Vec3::new(r * cos, r * sin, 1.0 - drop)
+}
+
+/// Undoes [`uniform_cone`].
+pub fn uniform_cone_inverse(direction: Vec3, one_minus_cos: f32) -> Vec2 {
+    // 1 − cos from the sine: exact for narrow cones, too.
+    let sin_squared = direction.truncate().length_squared();
+    let drop = if direction.z > 0.0 {
+        sin_squared / (1.0 + direction.z)
+    } else {
+        1.0 - direction.z
+    };
+    Vec2::new(turn(direction.truncate()), drop / one_minus_cos)
+}
+
+/// Density of [`uniform_cone`], in 1/sr.
+#[inline]
+pub fn uniform_cone_density(one_minus_cos: f32) -> f32 {
+    1.0 / (TAU * one_minus_cos)
+}
+
+/// Uniform barycentric coordinates `(b1, b2)` of a triangle; `b0 = 1 − b1 − b2`.
+#[inline]
+pub fn uniform_triangle(u: Vec2) -> Vec2 {
+    let root = (1.0 - u.x).max(0.0).sqrt();
+    Vec2::new(1.0 - root, root * u.y)
+}
+
+/// Undoes [`uniform_triangle`].
+pub fn uniform_triangle_inverse(barycentrics: Vec2) -> Vec2 {
+    let root = 1.0 - barycentrics.x;
+    Vec2::new(
+        1.0 - root * root,
+        if root > 0.0 {
+            barycentrics.y / root
+        } else {
+            0.0
+        },
+    )
+}
+
+/// Angle of a vector as a part of a full turn, in `[0, 1)`.
+fn turn(v: Vec2) -> f32 {
+    let part = v.y.atan2(v.x) / TAU;
+    (if part < 0.0 { part + 1.0 } else { part }).min(ONE_MINUS_EPSILON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid() -> impl Iterator<Item = Vec2> {
+        (0..40).flat_map(|i| {
+            (0..40).map(move |j| Vec2::new((i as f32 + 0.37) / 40.0, (j as f32 + 0.61) / 40.0))
+        })
+    }
+
+    fn check(warp: impl Fn(Vec2) -> Vec2) {
+        for u in grid() {
+            let back = warp(u);
+            assert!(
+                (back - u).abs().max_element() < 2e-4,
+                "{u} came back as {back}"
+            );
+        }
+    }
+
+    #[test]
+    fn inverses_undo_the_warps() {
+        check(|u| uniform_disk_inverse(uniform_disk(u)));
+        check(|u| cosine_hemisphere_inverse(cosine_hemisphere(u)));
+        check(|u| uniform_sphere_inverse(uniform_sphere(u)));
+        check(|u| uniform_triangle_inverse(uniform_triangle(u)));
+        for one_minus_cos in [1e-6, 0.1, 1.0, 1.9] {
+            check(|u| uniform_cone_inverse(uniform_cone(u, one_minus_cos), one_minus_cos));
+        }
+    }
+}
