@@ -1,4 +1,9 @@
 //! A renderer for hard light: caustics, glass in glass, light through a door ajar.
 
+pub mod accel;
+pub mod bsdf;
+pub mod emitter;
 pub mod math;
 pub mod random;
+pub mod shape;
+pub mod texture;

@@ -7,6 +7,7 @@ pub mod distribution;
 mod frame;
 mod measure;
 mod rgb;
+pub mod statistics;
 pub mod warp;
 
 pub use frame::{Frame, Local};

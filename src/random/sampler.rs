@@ -229,7 +229,7 @@ mod tests {
         for dimension in 0..40 {
             let mut seen = 0_u32;
             for index in 0..16 {
-                seen |= 1 << permuted(index, 0x1234_5678 ^ dimension * 77, dimension);
+                seen |= 1 << permuted(index, 0x1234_5678 ^ (dimension * 77), dimension);
             }
             assert_eq!(seen, 0xFFFF);
         }

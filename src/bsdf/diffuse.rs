@@ -1,0 +1,80 @@
+//! Ideal diffuse reflection.
+
+use std::f32::consts::FRAC_1_PI;
+
+use super::{BsdfModel, BsdfSample, Component, Lobe, LobeSet, Transport};
+use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, warp};
+use crate::shape::SurfacePoint;
+use crate::texture::{Texture, TextureModel};
+
+/// Reflects equally into all directions of the front side; black from behind.
+#[derive(Clone, Debug)]
+pub struct Diffuse {
+    reflectance: Texture,
+}
+
+impl Diffuse {
+    /// Makes the material.
+    ///
+    /// - `reflectance`: share of light reflected, in `[0, 1]`.
+    pub fn new(reflectance: impl Into<Texture>) -> Self {
+        Self {
+            reflectance: reflectance.into(),
+        }
+    }
+}
+
+impl BsdfModel for Diffuse {
+    fn lobes(&self) -> LobeSet {
+        LobeSet {
+            finite: true,
+            ..LobeSet::default()
+        }
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        _transport: Transport,
+        _u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
+        if wi.cos() <= 0.0 {
+            return None;
+        }
+        let direction = Local(warp::cosine_hemisphere(u));
+        let density = warp::cosine_hemisphere_density(direction.cos());
+        let weight = self.reflectance.colour(at.uv);
+        Some(BsdfSample {
+            direction,
+            weight,
+            value: weight * density,
+            density,
+            lobe: Lobe::Diffuse,
+            component: Component(0),
+            eta: 1.0,
+        })
+    }
+
+    #[inline]
+    fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, _transport: Transport) -> Rgb {
+        if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
+            return Rgb::BLACK;
+        }
+        self.reflectance.colour(at.uv) * (FRAC_1_PI * wo.cos())
+    }
+
+    #[inline]
+    fn density(&self, wi: Local, wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+        if wi.cos() <= 0.0 {
+            return SolidAngleDensity::ZERO;
+        }
+        SolidAngleDensity(warp::cosine_hemisphere_density(wo.cos()))
+    }
+
+    fn albedo(&self, at: &SurfacePoint) -> Rgb {
+        self.reflectance.colour(at.uv)
+    }
+}

@@ -1,0 +1,232 @@
+//! Scattering at surfaces.
+//!
+//! The contract, for every model:
+//! - Directions are [`Local`]: in the shading frame, unit, pointing away from the surface. `wi` is
+//!   the known one, `wo` the one that is sampled or asked about.
+//! - [`Transport`] says what is carried *along the path being built*: a path from the sensor carries
+//!   radiance, `wo` then points to the light's side; a path from a light carries importance.
+//! - [`BsdfModel::eval`] includes `|cos θ_o|` to the shading normal and is zero for Dirac lobes;
+//!   [`BsdfModel::density`] is exactly the density of what [`BsdfModel::sample`] does with the
+//!   finite lobes, the chance of not choosing a Dirac lobe included.
+//! - A Dirac lobe has a coefficient and a selection probability, apart: the coefficient belongs to
+//!   the integrand, the probability to the sampler.
+//!
+//! A new model is a file, a line in `bsdf_models!` and an arm in the importer. `tests/chi_square.rs`
+//! and `tests/furnace.rs` pick it up from its list of examples.
+
+mod diffuse;
+
+pub use diffuse::Diffuse;
+
+use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
+use crate::shape::SurfacePoint;
+
+/// What a path carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transport {
+    /// Radiance: the path was started at the sensor.
+    Radiance,
+    /// Importance: the path was started at a light.
+    Importance,
+}
+
+/// The kind of a scattering event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// Spread over the hemisphere.
+    Diffuse,
+    /// Concentrated, but with a density.
+    Glossy,
+    /// A Dirac: one direction only.
+    Specular,
+    /// A Dirac straight through, as if there were no surface.
+    Null,
+}
+
+impl Lobe {
+    /// True for lobes without a density.
+    #[inline]
+    pub fn is_dirac(self) -> bool {
+        matches!(self, Self::Specular | Self::Null)
+    }
+}
+
+/// Which lobes a model can have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LobeSet {
+    /// Some lobe has a density: connecting to this surface makes sense.
+    pub finite: bool,
+    /// Some lobe is a Dirac.
+    pub dirac: bool,
+    /// Some lobe goes to the other side.
+    pub transmission: bool,
+}
+
+impl LobeSet {
+    /// All lobes of either.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            finite: self.finite || other.finite,
+            dirac: self.dirac || other.dirac,
+            transmission: self.transmission || other.transmission,
+        }
+    }
+}
+
+/// Index of a Dirac component among those of one model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Component(pub u8);
+
+/// A scattering event that was sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// The sampled direction `wo`.
+    pub direction: Local,
+    /// `value / density`: what the path's throughput is multiplied by.
+    pub weight: Rgb,
+    /// For finite lobes: [`BsdfModel::eval`] at the direction. For Dirac lobes: the coefficient.
+    pub value: Rgb,
+    /// For finite lobes: density in 1/sr. For Dirac lobes: the probability of selecting the lobe.
+    pub density: f32,
+    /// Kind of the sampled lobe.
+    pub lobe: Lobe,
+    /// Which Dirac component; zero for finite lobes.
+    pub component: Component,
+    /// Index of refraction on `wi`'s side over that on `wo`'s side; 1 unless refracted.
+    ///
+    /// Radiance grows by its inverse square; Russian roulette must not mistake that for energy.
+    pub eta: f32,
+}
+
+/// A Dirac component followed from one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct DiracEvent {
+    /// The only direction `wo` that the component sends `wi` to.
+    pub direction: Local,
+    /// Coefficient of the Dirac, `|cos θ_o|` cancelled.
+    pub coefficient: Rgb,
+    /// Probability with which [`BsdfModel::sample`] selects the component.
+    pub probability: f32,
+    /// [`Lobe::Specular`] or [`Lobe::Null`].
+    pub lobe: Lobe,
+    /// As [`BsdfSample::eta`].
+    pub eta: f32,
+}
+
+/// What a material can answer; see the module's contract.
+pub trait BsdfModel {
+    /// The lobes that this model has anywhere on its surface.
+    fn lobes(&self) -> LobeSet;
+
+    /// Samples a direction.
+    ///
+    /// - `u_lobe`, `u`: uniform in `[0, 1)`.
+    ///
+    /// `None` when nothing is scattered from `wi`, or the numbers hit a direction without value.
+    fn sample(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample>;
+
+    /// Value of the finite lobes times `|cos θ_o|`.
+    fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb;
+
+    /// Density with which [`BsdfModel::sample`] makes `wo` by a finite lobe.
+    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity;
+
+    /// [`BsdfModel::eval`] and [`BsdfModel::density`] in one, where they share work.
+    #[inline]
+    fn eval_with_density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> (Rgb, SolidAngleDensity) {
+        (self.eval(wi, wo, at, transport), self.density(wi, wo, at))
+    }
+
+    /// Follows one Dirac component; `None` where it does not exist for `wi`.
+    ///
+    /// Components are numbered from zero to [`BsdfModel::component_count`].
+    fn follow(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        component: Component,
+    ) -> Option<DiracEvent> {
+        let _ = (wi, at, transport, component);
+        None
+    }
+
+    /// Number of Dirac components.
+    fn component_count(&self) -> u8 {
+        0
+    }
+
+    /// Share of light that is scattered, roughly: the `albedo` layer and nothing else uses it.
+    fn albedo(&self, at: &SurfacePoint) -> Rgb;
+}
+
+/// Writes the enum of all materials and forwards [`BsdfModel`] to its variants.
+macro_rules! bsdf_models {
+    ($($(#[$doc:meta])* $model:ident,)*) => {
+        /// Any material.
+        #[derive(Clone, Debug)]
+        pub enum Bsdf {
+            $($(#[$doc])* $model($model),)*
+        }
+
+        $(impl From<$model> for Bsdf {
+            fn from(model: $model) -> Self {
+                Self::$model(model)
+            }
+        })*
+
+        impl BsdfModel for Bsdf {
+            #[inline]
+            fn lobes(&self) -> LobeSet {
+                match self { $(Self::$model(m) => m.lobes(),)* }
+            }
+            #[inline]
+            fn sample(&self, wi: Local, at: &SurfacePoint, transport: Transport, u_lobe: f32, u: Vec2)
+                -> Option<BsdfSample> {
+                match self { $(Self::$model(m) => m.sample(wi, at, transport, u_lobe, u),)* }
+            }
+            #[inline]
+            fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb {
+                match self { $(Self::$model(m) => m.eval(wi, wo, at, transport),)* }
+            }
+            #[inline]
+            fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+                match self { $(Self::$model(m) => m.density(wi, wo, at),)* }
+            }
+            #[inline]
+            fn eval_with_density(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport)
+                -> (Rgb, SolidAngleDensity) {
+                match self { $(Self::$model(m) => m.eval_with_density(wi, wo, at, transport),)* }
+            }
+            #[inline]
+            fn follow(&self, wi: Local, at: &SurfacePoint, transport: Transport, component: Component)
+                -> Option<DiracEvent> {
+                match self { $(Self::$model(m) => m.follow(wi, at, transport, component),)* }
+            }
+            fn component_count(&self) -> u8 {
+                match self { $(Self::$model(m) => m.component_count(),)* }
+            }
+            fn albedo(&self, at: &SurfacePoint) -> Rgb {
+                match self { $(Self::$model(m) => m.albedo(at),)* }
+            }
+        }
+    };
+}
+
+bsdf_models! {
+    /// Ideal diffuse reflection.
+    Diffuse,
+}

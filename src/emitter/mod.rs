@@ -1,0 +1,162 @@
+//! Lights.
+//!
+//! An emitter answers two questions: what it sends along a given ray, and how to find it from a
+//! point. [`EmitterModel::density_toward`] is exactly the density of
+//! [`EmitterModel::sample_toward`]; Dirac emitters (points, parallel beams) have none and are never
+//! hit by chance.
+
+mod area;
+mod point;
+
+pub use area::Area;
+pub use point::Point;
+
+use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
+use crate::shape::SurfacePoint;
+
+/// What kind of thing an emitter is: decides which path mutations apply to its paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmitterClass {
+    /// A surface that glows.
+    Area,
+    /// A point in space: no ray meets it.
+    Point,
+    /// One direction from infinitely far away: no ray meets it.
+    Directional,
+    /// All directions from infinitely far away.
+    Environment,
+}
+
+impl EmitterClass {
+    /// True for emitters that no ray can meet by chance.
+    #[inline]
+    pub fn is_dirac(self) -> bool {
+        matches!(self, Self::Point | Self::Directional)
+    }
+}
+
+/// A sphere around the whole scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneBounds {
+    /// Its centre.
+    pub centre: Vec3,
+    /// Its radius in m, positive.
+    pub radius: f32,
+}
+
+/// A direction to an emitter that was sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterSample {
+    /// Unit direction from the asking point to the emitter.
+    pub direction: Vec3,
+    /// Where a shadow ray must reach to; `None` when the emitter is infinitely far away.
+    pub target: Option<Vec3>,
+    /// Radiance that arrives (W·m⁻²·sr⁻¹); for Dirac emitters the irradiance on a surface that faces
+    /// `direction` (W·m⁻²).
+    pub radiance: Rgb,
+    /// Density of the direction; one for Dirac emitters.
+    pub density: SolidAngleDensity,
+    /// True when the direction has no density, so that no other technique can make it.
+    pub is_dirac: bool,
+}
+
+/// What a light can answer.
+pub trait EmitterModel {
+    /// The kind of light.
+    fn class(&self) -> EmitterClass;
+
+    /// Takes note of the size of the scene; called once, before anything else is asked.
+    fn set_scene_bounds(&mut self, bounds: SceneBounds) {
+        let _ = bounds;
+    }
+
+    /// Emitted power in W, as luminance: emitters are chosen in proportion to it.
+    fn power(&self) -> f64;
+
+    /// Radiance that leaves the point of an area light in a direction away from it; zero behind.
+    fn radiance(&self, at: &SurfacePoint, direction: Vec3) -> Rgb {
+        let _ = (at, direction);
+        Rgb::BLACK
+    }
+
+    /// Radiance that arrives from the unit direction `toward` infinity.
+    fn environment_radiance(&self, toward: Vec3) -> Rgb {
+        let _ = toward;
+        Rgb::BLACK
+    }
+
+    /// Samples a direction to the emitter; `None` when it sends nothing to `from`.
+    ///
+    /// - `u`: uniform in the unit square.
+    fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<EmitterSample>;
+
+    /// Density with which [`EmitterModel::sample_toward`] makes the direction to a point of an area
+    /// light.
+    fn density_toward(&self, from: Vec3, at: &SurfacePoint) -> SolidAngleDensity {
+        let _ = (from, at);
+        SolidAngleDensity::ZERO
+    }
+
+    /// Density with which [`EmitterModel::sample_toward`] makes the unit direction `toward` infinity.
+    fn environment_density(&self, toward: Vec3) -> SolidAngleDensity {
+        let _ = toward;
+        SolidAngleDensity::ZERO
+    }
+}
+
+/// Writes the enum of all emitters and forwards [`EmitterModel`] to its variants.
+macro_rules! emitter_models {
+    ($($(#[$doc:meta])* $model:ident,)*) => {
+        /// Any emitter.
+        #[derive(Clone, Debug)]
+        pub enum Emitter {
+            $($(#[$doc])* $model($model),)*
+        }
+
+        $(impl From<$model> for Emitter {
+            fn from(model: $model) -> Self {
+                Self::$model(model)
+            }
+        })*
+
+        impl EmitterModel for Emitter {
+            #[inline]
+            fn class(&self) -> EmitterClass {
+                match self { $(Self::$model(e) => e.class(),)* }
+            }
+            fn set_scene_bounds(&mut self, bounds: SceneBounds) {
+                match self { $(Self::$model(e) => e.set_scene_bounds(bounds),)* }
+            }
+            fn power(&self) -> f64 {
+                match self { $(Self::$model(e) => e.power(),)* }
+            }
+            #[inline]
+            fn radiance(&self, at: &SurfacePoint, direction: Vec3) -> Rgb {
+                match self { $(Self::$model(e) => e.radiance(at, direction),)* }
+            }
+            #[inline]
+            fn environment_radiance(&self, toward: Vec3) -> Rgb {
+                match self { $(Self::$model(e) => e.environment_radiance(toward),)* }
+            }
+            #[inline]
+            fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+                match self { $(Self::$model(e) => e.sample_toward(from, u),)* }
+            }
+            #[inline]
+            fn density_toward(&self, from: Vec3, at: &SurfacePoint) -> SolidAngleDensity {
+                match self { $(Self::$model(e) => e.density_toward(from, at),)* }
+            }
+            #[inline]
+            fn environment_density(&self, toward: Vec3) -> SolidAngleDensity {
+                match self { $(Self::$model(e) => e.environment_density(toward),)* }
+            }
+        }
+    };
+}
+
+emitter_models! {
+    /// A surface that glows.
+    Area,
+    /// A point that radiates equally into all directions.
+    Point,
+}

@@ -1,0 +1,50 @@
+//! A point that radiates equally into all directions.
+
+use std::f64::consts::PI;
+
+use super::{EmitterClass, EmitterModel, EmitterSample};
+use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
+
+/// An isotropic point light.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    position: Vec3,
+    intensity: Rgb,
+}
+
+impl Point {
+    /// Makes the light.
+    ///
+    /// - `position`: in world space.
+    /// - `intensity`: radiant intensity in W·sr⁻¹.
+    pub const fn new(position: Vec3, intensity: Rgb) -> Self {
+        Self {
+            position,
+            intensity,
+        }
+    }
+}
+
+impl EmitterModel for Point {
+    fn class(&self) -> EmitterClass {
+        EmitterClass::Point
+    }
+
+    fn power(&self) -> f64 {
+        4.0 * PI * f64::from(self.intensity.luminance())
+    }
+
+    #[inline]
+    fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
+        let edge = self.position - from;
+        let distance_squared = edge.length_squared();
+        let direction = edge.try_normalize()?;
+        Some(EmitterSample {
+            direction,
+            target: Some(self.position),
+            radiance: self.intensity / distance_squared,
+            density: SolidAngleDensity(1.0),
+            is_dirac: true,
+        })
+    }
+}

@@ -1,0 +1,157 @@
+//! Triangles that share vertices.
+
+use super::{ShapeHit, ShapeModel, SurfacePoint};
+use crate::accel::{IndexBuffer, VertexBuffer};
+use crate::math::distribution::Discrete;
+use crate::math::{AreaDensity, Frame, Vec2, Vec3, warp};
+
+/// A triangle mesh whose vertex and index buffers the tracer shares.
+#[derive(Clone, Debug)]
+pub struct TriangleMesh {
+    vertices: VertexBuffer,
+    triangles: IndexBuffer,
+    normals: Option<Vec<Vec3>>,
+    uvs: Option<Vec<Vec2>>,
+    /// Chooses a triangle by area; only meshes that emit have one.
+    by_area: Option<Discrete>,
+    area: f64,
+    /// Whether shading frames follow the direction of growing `u`.
+    tangents: bool,
+}
+
+impl TriangleMesh {
+    /// Makes a mesh.
+    ///
+    /// - `normals`, `uvs`: one a vertex, where the mesh has them; normals of any length.
+    ///
+    /// Indices must lie within `vertices` (the reader has checked them).
+    pub fn new(
+        vertices: VertexBuffer,
+        triangles: IndexBuffer,
+        normals: Option<Vec<Vec3>>,
+        uvs: Option<Vec<Vec2>>,
+    ) -> Self {
+        let mut mesh = Self {
+            vertices,
+            triangles,
+            normals,
+            uvs,
+            by_area: None,
+            area: 0.0,
+            tangents: false,
+        };
+        mesh.area = mesh.triangle_areas().sum();
+        mesh
+    }
+
+    /// The vertex positions, in world space.
+    pub fn vertices(&self) -> &VertexBuffer {
+        &self.vertices
+    }
+
+    /// The triangles' vertex indices.
+    pub fn triangles(&self) -> &IndexBuffer {
+        &self.triangles
+    }
+
+    /// Prepares [`ShapeModel::sample_area`]; false when the mesh has no area to sample.
+    pub fn prepare_sampling(&mut self) -> bool {
+        let areas: Vec<f64> = self.triangle_areas().collect();
+        self.by_area = Discrete::new(&areas);
+        self.by_area.is_some()
+    }
+
+    /// Makes shading frames follow the texture coordinates, as anisotropic materials need.
+    pub fn follow_tangents(&mut self) {
+        self.tangents = true;
+    }
+
+    fn triangle_areas(&self) -> impl Iterator<Item = f64> + '_ {
+        self.triangles.as_slice().iter().map(|triangle| {
+            let [a, b, c] = self.corners(*triangle).map(|p| p.as_dvec3());
+            0.5 * (b - a).cross(c - a).length()
+        })
+    }
+
+    #[inline]
+    fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
+        let vertices = self.vertices.as_slice();
+        triangle.map(|i| Vec3::from_array(vertices[i as usize]))
+    }
+
+    /// The point of a triangle at the barycentrics of its second and third vertex.
+    #[inline]
+    fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
+        let triangle = self.triangles.as_slice()[primitive as usize];
+        let corners = self.corners(triangle);
+        let [a, b, c] = corners;
+        let (b1, b2) = (barycentrics.x, barycentrics.y);
+        let (to_b, to_c) = (b - a, c - a);
+        let position = a + to_b * b1 + to_c * b2;
+        let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let mut geometric_normal = to_b.cross(to_c).normalize_or(Vec3::Z);
+        let mut shading_normal = geometric_normal;
+        if let Some(normals) = &self.normals {
+            let [na, nb, nc] = triangle.map(|i| normals[i as usize]);
+            let interpolated = na * (1.0 - b1 - b2) + nb * b1 + nc * b2;
+            shading_normal = interpolated.normalize_or(geometric_normal);
+            // The file's normals say which side is the front, whatever the winding.
+            if shading_normal.dot(geometric_normal) < 0.0 {
+                geometric_normal = -geometric_normal;
+            }
+        }
+        let uv = match &self.uvs {
+            Some(uvs) => {
+                let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
+                ua * (1.0 - b1 - b2) + ub * b1 + uc * b2
+            }
+            None => barycentrics,
+        };
+        let shading = if self.tangents {
+            Frame::with_tangent(shading_normal, self.tangent(triangle, to_b, to_c))
+        } else {
+            Frame::around(shading_normal)
+        };
+        let error = SurfacePoint::error_bound(extent);
+        SurfacePoint {
+            position,
+            geometric_normal,
+            shading,
+            uv,
+            error,
+        }
+    }
+
+    /// The direction in which `u` grows; zero where the texture coordinates do not span the plane.
+    fn tangent(&self, triangle: [u32; 3], to_b: Vec3, to_c: Vec3) -> Vec3 {
+        let Some(uvs) = &self.uvs else { return to_b };
+        let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
+        let (du, dv) = (ub - ua, uc - ua);
+        let determinant = du.x * dv.y - du.y * dv.x;
+        if determinant == 0.0 {
+            return Vec3::ZERO;
+        }
+        (to_b * dv.y - to_c * du.y) / determinant
+    }
+}
+
+impl ShapeModel for TriangleMesh {
+    #[inline]
+    fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
+        self.point(hit.primitive, hit.barycentrics)
+    }
+
+    fn area(&self) -> f64 {
+        self.area
+    }
+
+    fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
+        let choice = self.by_area.as_ref().map(|by_area| by_area.sample(u.x));
+        let (primitive, u) = match choice {
+            Some(choice) => (choice.index as u32, Vec2::new(choice.remainder, u.y)),
+            None => (0, u),
+        };
+        let point = self.point(primitive, warp::uniform_triangle(u));
+        (point, AreaDensity((1.0 / self.area) as f32))
+    }
+}

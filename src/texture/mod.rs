@@ -1,0 +1,73 @@
+//! Textures: values that vary over a surface.
+
+mod constant;
+
+pub use constant::Constant;
+
+use crate::math::{Rgb, Vec2};
+
+/// What a texture can answer.
+///
+/// - `uv`: surface coordinates, before the texture's own `to_uv` transform; any finite number.
+pub trait TextureModel {
+    /// Colour at a point: linear Rec.709, or raw numbers where the texture was declared raw.
+    fn colour(&self, uv: Vec2) -> Rgb;
+
+    /// One number at a point: the luminance of a colour, or the channel itself.
+    fn value(&self, uv: Vec2) -> f32 {
+        self.colour(uv).luminance()
+    }
+
+    /// Mean colour over the unit square of `uv`.
+    fn mean(&self) -> Rgb;
+
+    /// True when the texture has one value everywhere.
+    fn is_constant(&self) -> bool {
+        false
+    }
+}
+
+/// Writes the enum of all textures and forwards [`TextureModel`] to its variants.
+macro_rules! texture_models {
+    ($($(#[$doc:meta])* $model:ident($payload:ty),)*) => {
+        /// Any texture.
+        #[derive(Clone, Debug)]
+        pub enum Texture {
+            $($(#[$doc])* $model($payload),)*
+        }
+
+        impl TextureModel for Texture {
+            #[inline]
+            fn colour(&self, uv: Vec2) -> Rgb {
+                match self { $(Self::$model(t) => t.colour(uv),)* }
+            }
+            #[inline]
+            fn value(&self, uv: Vec2) -> f32 {
+                match self { $(Self::$model(t) => t.value(uv),)* }
+            }
+            fn mean(&self) -> Rgb {
+                match self { $(Self::$model(t) => t.mean(),)* }
+            }
+            fn is_constant(&self) -> bool {
+                match self { $(Self::$model(t) => t.is_constant(),)* }
+            }
+        }
+    };
+}
+
+texture_models! {
+    /// One colour everywhere.
+    Constant(Constant),
+}
+
+impl From<Rgb> for Texture {
+    fn from(colour: Rgb) -> Self {
+        Self::Constant(Constant::new(colour))
+    }
+}
+
+impl From<f32> for Texture {
+    fn from(grey: f32) -> Self {
+        Rgb::grey(grey).into()
+    }
+}
