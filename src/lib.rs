@@ -3,7 +3,10 @@
 pub mod accel;
 pub mod bsdf;
 pub mod emitter;
+pub mod film;
 pub mod math;
+pub mod path;
 pub mod random;
+pub mod scene;
 pub mod shape;
 pub mod texture;

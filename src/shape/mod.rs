@@ -9,6 +9,7 @@ mod triangle_mesh;
 pub use surface::SurfacePoint;
 pub use triangle_mesh::TriangleMesh;
 
+use crate::accel::Geometry;
 use crate::math::{AreaDensity, SolidAngleDensity, Vec2, Vec3};
 
 /// Where a ray met a shape.
@@ -24,6 +25,14 @@ pub struct ShapeHit {
 
 /// What a shape can answer.
 pub trait ShapeModel {
+    /// What the tracer is given.
+    fn geometry(&self) -> Geometry;
+
+    /// Prepares [`ShapeModel::sample_area`]; false when there is no area to sample.
+    fn prepare_sampling(&mut self) -> bool {
+        self.area() > 0.0
+    }
+
     /// Everything about the point that a ray met.
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint;
 
@@ -73,6 +82,12 @@ macro_rules! shape_models {
         })*
 
         impl ShapeModel for Shape {
+            fn geometry(&self) -> Geometry {
+                match self { $(Self::$model(s) => s.geometry(),)* }
+            }
+            fn prepare_sampling(&mut self) -> bool {
+                match self { $(Self::$model(s) => s.prepare_sampling(),)* }
+            }
             #[inline]
             fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
                 match self { $(Self::$model(s) => s.surface_at(hit),)* }

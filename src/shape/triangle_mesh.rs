@@ -1,7 +1,7 @@
 //! Triangles that share vertices.
 
 use super::{ShapeHit, ShapeModel, SurfacePoint};
-use crate::accel::{IndexBuffer, VertexBuffer};
+use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
 use crate::math::{AreaDensity, Frame, Vec2, Vec3, warp};
 
@@ -52,13 +52,6 @@ impl TriangleMesh {
     /// The triangles' vertex indices.
     pub fn triangles(&self) -> &IndexBuffer {
         &self.triangles
-    }
-
-    /// Prepares [`ShapeModel::sample_area`]; false when the mesh has no area to sample.
-    pub fn prepare_sampling(&mut self) -> bool {
-        let areas: Vec<f64> = self.triangle_areas().collect();
-        self.by_area = Discrete::new(&areas);
-        self.by_area.is_some()
     }
 
     /// Makes shading frames follow the texture coordinates, as anisotropic materials need.
@@ -136,6 +129,16 @@ impl TriangleMesh {
 }
 
 impl ShapeModel for TriangleMesh {
+    fn geometry(&self) -> Geometry {
+        Geometry::Triangles(self.vertices.clone(), self.triangles.clone())
+    }
+
+    fn prepare_sampling(&mut self) -> bool {
+        let areas: Vec<f64> = self.triangle_areas().collect();
+        self.by_area = Discrete::new(&areas);
+        self.by_area.is_some()
+    }
+
     #[inline]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point(hit.primitive, hit.barycentrics)
