@@ -3,8 +3,15 @@
 //! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32): geometry is single precision, products along a
 //! path and sums are `f64`.
 
+mod cie;
 mod rgb;
+mod spectrum;
+mod srgb;
+mod transform;
 
 pub use rgb::Rgb;
+pub use spectrum::{SpectralCurve, SpectralCurveError, blackbody, equal_energy_white};
+pub use srgb::srgb_to_linear;
+pub use transform::{Transform, TransformError};
 
 pub use glam::{Mat3, Mat4, Vec2, Vec3};
