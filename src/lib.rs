@@ -2,3 +2,4 @@
 
 pub mod bsdf;
 pub mod math;
+pub mod scene;
