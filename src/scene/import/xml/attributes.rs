@@ -79,7 +79,7 @@ impl Attributes {
             let hint = near.replace("did you mean", "found").replace("?)", ")");
             problems.error(
                 &self.location,
-                format!("<{}> needs a \"{name}\"{hint}", self.tag),
+                format!("<{}> needs the attribute \"{name}\"{hint}", self.tag),
             );
         }
         found

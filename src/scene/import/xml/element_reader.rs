@@ -380,7 +380,7 @@ impl<'a> ElementReader<'a> {
 
     fn note_absence(&mut self, name: &str) {
         if self.find(name).is_none() {
-            let message = format!("{} needs a \"{name}\"", self.element.title());
+            let message = format!("{} needs the property \"{name}\"", self.element.title());
             self.problems.error(&self.element.location, message);
         }
     }

@@ -23,7 +23,9 @@ pub(super) fn explain(error: &roxmltree::Error, locator: &Locator<'_>) -> (Locat
     let end = locator.locate_end();
     let ends_early = matches!(
         error,
-        roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream
+        roxmltree::Error::NoRootNode
+            | roxmltree::Error::UnclosedRootNode
+            | roxmltree::Error::UnexpectedEndOfStream
     );
     if ends_early || location >= end {
         return (
