@@ -387,12 +387,9 @@ impl<'a> ElementReader<'a> {
 
     /// Where the property stands, or the element when it is absent.
     fn location_of(&self, name: &str) -> Location {
-        let properties = self.element.properties.iter();
-        let found = properties
-            .filter(|property| property.name.normalised == name)
-            .next_back();
-        found
-            .map_or(&self.element.location, |property| &property.location)
-            .clone()
+        let found = self
+            .position(name)
+            .map(|index| &self.element.properties[index].location);
+        found.unwrap_or(&self.element.location).clone()
     }
 }
