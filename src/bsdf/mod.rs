@@ -14,9 +14,13 @@
 //! A new model is a file, a line in `bsdf_models!` and an arm in the importer. `tests/chi_square.rs`
 //! and `tests/furnace.rs` pick it up from its list of examples.
 
+mod conductor_presets;
 mod diffuse;
+mod ior_presets;
 
+pub use conductor_presets::{conductor, conductor_names};
 pub use diffuse::Diffuse;
+pub use ior_presets::{ior, ior_names};
 
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;

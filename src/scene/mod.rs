@@ -1,6 +1,7 @@
 //! The scene: tables of objects, materials and lights, and the rays between them.
 
 mod builder;
+pub mod import;
 mod interaction;
 mod lights;
 

@@ -1,0 +1,3 @@
+//! Readers of scene descriptions and meshes.
+
+pub mod xml;
