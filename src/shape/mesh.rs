@@ -89,10 +89,17 @@ impl MeshData {
         }
         check_finite("position", &self.positions)?;
         check_finite("normal", self.normals.as_deref().unwrap_or_default())?;
-        check_finite("texture coordinate", self.uvs.as_deref().unwrap_or_default())?;
+        check_finite(
+            "texture coordinate",
+            self.uvs.as_deref().unwrap_or_default(),
+        )?;
         for (triangle, corners) in self.indices.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertex_count) {
-                return Err(MeshFlaw::IndexOutOfRange { triangle, index, vertex_count });
+                return Err(MeshFlaw::IndexOutOfRange {
+                    triangle,
+                    index,
+                    vertex_count,
+                });
             }
         }
         Ok(())
@@ -110,9 +117,13 @@ impl MeshData {
     /// Large factors can overflow; [`MeshData::validate`] afterwards finds it.
     pub fn transform(&mut self, to_world: Mat4) {
         for position in &mut self.positions {
-            *position = to_world.transform_point3(Vec3::from_array(*position)).to_array();
+            *position = to_world
+                .transform_point3(Vec3::from_array(*position))
+                .to_array();
         }
-        let Some(normals) = &mut self.normals else { return };
+        let Some(normals) = &mut self.normals else {
+            return;
+        };
         let inverse_transpose = scaled_inverse_transpose(to_world);
         for normal in normals {
             // Unit before the cast: cofactors of a strong scale leave the range of f32.
@@ -170,23 +181,38 @@ fn scaled_inverse_transpose(to_world: Mat4) -> DMat3 {
     let [x, y, z] = [to_world.x_axis, to_world.y_axis, to_world.z_axis]
         .map(|axis| DVec3::from(axis.truncate()));
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    if x.dot(y.cross(z)) < 0.0 { cofactors * -1.0 } else { cofactors }
+    if x.dot(y.cross(z)) < 0.0 {
+        cofactors * -1.0
+    } else {
+        cofactors
+    }
 }
 
 fn check_count(what: &'static str, count: usize) -> Result<(), MeshFlaw> {
-    if u32::try_from(count).is_ok() { Ok(()) } else { Err(MeshFlaw::TooMany { what, count }) }
+    if u32::try_from(count).is_ok() {
+        Ok(())
+    } else {
+        Err(MeshFlaw::TooMany { what, count })
+    }
 }
 
 fn check_length(what: &'static str, expected: usize, found: usize) -> Result<(), MeshFlaw> {
     if expected == found {
         Ok(())
     } else {
-        Err(MeshFlaw::LengthMismatch { what, expected, found })
+        Err(MeshFlaw::LengthMismatch {
+            what,
+            expected,
+            found,
+        })
     }
 }
 
 fn check_finite<const N: usize>(what: &'static str, values: &[[f32; N]]) -> Result<(), MeshFlaw> {
-    match values.iter().position(|value| value.iter().any(|c| !c.is_finite())) {
+    match values
+        .iter()
+        .position(|value| value.iter().any(|c| !c.is_finite()))
+    {
         Some(vertex) => Err(MeshFlaw::NotFinite { what, vertex }),
         None => Ok(()),
     }
@@ -242,7 +268,10 @@ mod tests {
             message(|m| m.uvs.as_mut().unwrap()[0][1] = f32::NEG_INFINITY),
             "texture coordinate of vertex 0 is not finite"
         );
-        assert_eq!(message(|m| m.normals = Some(vec![])), "0 normals for 3 vertices");
+        assert_eq!(
+            message(|m| m.normals = Some(vec![])),
+            "0 normals for 3 vertices"
+        );
         assert_eq!(
             message(|m| m.uvs.as_mut().unwrap().push([0., 0.])),
             "4 texture coordinates for 3 vertices"
@@ -280,7 +309,10 @@ mod tests {
             let mut mesh = one_triangle();
             mesh.transform(Mat4::from_scale(scale));
             for normal in mesh.normals.unwrap() {
-                assert!((Vec3::from_array(normal).length() - 1.).abs() < 1e-6, "{scale}");
+                assert!(
+                    (Vec3::from_array(normal).length() - 1.).abs() < 1e-6,
+                    "{scale}"
+                );
             }
         }
     }

@@ -41,7 +41,10 @@ impl MeshData {
                 let vertex = *vertices.entry(key).or_insert(next);
                 if vertex == next {
                     rebuilt.positions.push(self.positions[old as usize]);
-                    rebuilt.normals.iter_mut().for_each(|n| n.push(cluster_normals[cluster]));
+                    rebuilt
+                        .normals
+                        .iter_mut()
+                        .for_each(|n| n.push(cluster_normals[cluster]));
                     rebuilt.uvs.iter_mut().for_each(|uvs| uvs.extend(uv));
                 }
                 // At most three vertices per triangle: `validate` reports an overflow, as it
@@ -84,7 +87,9 @@ impl MeshData {
                 clusters.join(first_end, second);
             }
         }
-        (0..places.len()).map(|corner| clusters.root(corner)).collect()
+        (0..places.len())
+            .map(|corner| clusters.root(corner))
+            .collect()
     }
 
     /// Numbers the distinct positions and gives each corner (3 · triangle + corner) its number.
@@ -96,13 +101,21 @@ impl MeshData {
             let key = position.map(|c| (c + 0.0).to_bits());
             place_of_vertex.push(*numbers.entry(key).or_insert(vertex));
         }
-        self.indices.iter().flatten().map(|&i| place_of_vertex[i as usize]).collect()
+        self.indices
+            .iter()
+            .flatten()
+            .map(|&i| place_of_vertex[i as usize])
+            .collect()
     }
 }
 
 /// The corner after this one in its triangle.
 fn next_corner(corner: usize) -> usize {
-    if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+    if corner % 3 == 2 {
+        corner - 2
+    } else {
+        corner + 1
+    }
 }
 
 /// A forest over corners (union-find); the root of a tree is its smallest member.
@@ -133,11 +146,23 @@ mod tests {
         let positions = (0..8_u8)
             .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f32::from))
             .collect();
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [
-            1, 3, 7, 5,
-        ]];
-        let indices = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        MeshData { positions, indices, ..MeshData::default() }
+        let quads = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let indices = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect();
+        MeshData {
+            positions,
+            indices,
+            ..MeshData::default()
+        }
     }
 
     #[test]
@@ -151,7 +176,10 @@ mod tests {
         let area_vectors: Vec<_> = mesh.area_vectors().collect();
         for (corners, area) in mesh.indices.iter().zip(area_vectors) {
             for &i in corners {
-                assert_eq!(mesh.normals.as_ref().unwrap()[i as usize], area.as_vec3().to_array());
+                assert_eq!(
+                    mesh.normals.as_ref().unwrap()[i as usize],
+                    area.as_vec3().to_array()
+                );
             }
         }
     }
@@ -174,14 +202,25 @@ mod tests {
     #[test]
     fn seams_keep_their_coordinates_and_share_the_normal() {
         let mut mesh = corner_of_a_box();
-        mesh.positions.extend([mesh.positions[0], mesh.positions[1]]);
+        mesh.positions
+            .extend([mesh.positions[0], mesh.positions[1]]);
         mesh.indices[1] = [4, 5, 3];
-        mesh.uvs = Some(vec![[0., 0.], [1., 0.], [0., 1.], [0.5, 0.5], [0.25, 0.], [0.75, 0.]]);
+        mesh.uvs = Some(vec![
+            [0., 0.],
+            [1., 0.],
+            [0., 1.],
+            [0.5, 0.5],
+            [0.25, 0.],
+            [0.75, 0.],
+        ]);
         mesh.apply_max_smooth_angle(120.);
         assert_eq!(mesh.validate(), Ok(()));
         assert_eq!(mesh.positions.len(), 6);
         let (normals, uvs) = (mesh.normals.unwrap(), mesh.uvs.unwrap());
-        assert_eq!(normals[mesh.indices[0][0] as usize], normals[mesh.indices[1][0] as usize]);
+        assert_eq!(
+            normals[mesh.indices[0][0] as usize],
+            normals[mesh.indices[1][0] as usize]
+        );
         assert_eq!(uvs[mesh.indices[1][1] as usize], [0.75, 0.]);
     }
 

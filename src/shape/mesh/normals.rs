@@ -16,9 +16,11 @@ impl MeshData {
     ///
     /// Source: Thürmer and Wüthrich 1998.
     pub fn compute_vertex_normals(&mut self) {
-        self.normals = Some(self.angle_weighted_normals(self.positions.len(), |triangle, corner| {
-            self.indices[triangle][corner] as usize
-        }));
+        self.normals = Some(
+            self.angle_weighted_normals(self.positions.len(), |triangle, corner| {
+                self.indices[triangle][corner] as usize
+            }),
+        );
     }
 
     /// Makes every vertex normal unit length. Those that have no direction (zero or not finite)
@@ -26,7 +28,9 @@ impl MeshData {
     ///
     /// Returns how many were computed.
     pub fn repair_normals(&mut self) -> usize {
-        let Some(mut normals) = self.normals.take() else { return 0 };
+        let Some(mut normals) = self.normals.take() else {
+            return 0;
+        };
         let mut broken = Vec::new();
         for (vertex, normal) in normals.iter_mut().enumerate() {
             // In f64 the length of a finite f32 vector neither overflows nor vanishes.
@@ -147,8 +151,12 @@ mod tests {
     #[test]
     fn repair_touches_only_what_is_broken() {
         let mut mesh = corner_of_a_box();
-        mesh.normals =
-            Some(vec![[0., 0., 3e38], [1e-30, 0., 0.], [0.; 3], [f32::NAN, 0., 0.]]);
+        mesh.normals = Some(vec![
+            [0., 0., 3e38],
+            [1e-30, 0., 0.],
+            [0.; 3],
+            [f32::NAN, 0., 0.],
+        ]);
         assert_eq!(mesh.repair_normals(), 2);
         let normals = mesh.normals.as_ref().unwrap();
         assert_eq!(normals[..2], [[0., 0., 1.], [1., 0., 0.]]);
