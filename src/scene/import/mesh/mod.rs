@@ -10,6 +10,7 @@
 
 mod error;
 pub mod obj;
+pub mod ply;
 
 pub use error::{MeshError, MeshProblem, Place};
 
