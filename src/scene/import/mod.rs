@@ -1,3 +1,4 @@
 //! Readers of scene descriptions and meshes.
 
+pub mod mesh;
 pub mod xml;
