@@ -40,7 +40,9 @@ impl Accel {
                 Geometry::Cylinder(to_world) => builder.add_cylinder(rows(to_world))?,
             };
         }
-        Ok(Self { scene: builder.commit()? })
+        Ok(Self {
+            scene: builder.commit()?,
+        })
     }
 
     /// The closest hit.
@@ -58,7 +60,10 @@ impl Accel {
     /// Lowest and highest corner of the box around everything; `None` when there is nothing.
     pub fn bounding_box(&self) -> Option<(Vec3, Vec3)> {
         let bounds = self.scene.bounds()?;
-        Some((Vec3::from_array(bounds.lower), Vec3::from_array(bounds.upper)))
+        Some((
+            Vec3::from_array(bounds.lower),
+            Vec3::from_array(bounds.upper),
+        ))
     }
 }
 

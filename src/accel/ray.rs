@@ -15,13 +15,23 @@ impl Ray {
     /// The half line from `origin` along `direction`.
     #[inline]
     pub const fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, near: 0.0, far: f32::INFINITY }
+        Self {
+            origin,
+            direction,
+            near: 0.0,
+            far: f32::INFINITY,
+        }
     }
 
     /// The piece of a line between two points; distances along it run from 0 to 1.
     #[inline]
     pub fn segment(from: Vec3, to: Vec3) -> Self {
-        Self { origin: from, direction: to - from, near: 0.0, far: 1.0 }
+        Self {
+            origin: from,
+            direction: to - from,
+            near: 0.0,
+            far: 1.0,
+        }
     }
 
     /// The same ray, limited to distances between `near` and `far`.

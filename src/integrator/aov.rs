@@ -43,12 +43,18 @@ impl Aov {
 
     /// The layer of a name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::NAMES.into_iter().find(|(candidate, _)| *candidate == name).map(|(_, aov)| aov)
+        Self::NAMES
+            .into_iter()
+            .find(|(candidate, _)| *candidate == name)
+            .map(|(_, aov)| aov)
     }
 
     /// Name and channels.
     pub fn layer(self) -> Layer {
-        let name = Self::NAMES.into_iter().find(|(_, aov)| *aov == self).map_or("", |(n, _)| n);
+        let name = Self::NAMES
+            .into_iter()
+            .find(|(_, aov)| *aov == self)
+            .map_or("", |(n, _)| n);
         let channels = match self {
             Self::Albedo => "RGB",
             Self::ShadingNormal | Self::GeometricNormal | Self::Position => "XYZ",
@@ -69,7 +75,8 @@ impl Aov {
 
     /// The value at the first surface; zero where there is none.
     pub(super) fn value(self, first: Option<&Interaction<'_>>) -> AovValue {
-        let vector = |of: fn(&Interaction<'_>) -> Vec3| AovValue::Three(first.map_or(Vec3::ZERO, of));
+        let vector =
+            |of: fn(&Interaction<'_>) -> Vec3| AovValue::Three(first.map_or(Vec3::ZERO, of));
         match self {
             Self::Albedo => vector(|i| i.bsdf.albedo(&i.point).0),
             Self::ShadingNormal => vector(|i| i.point.shading.normal),

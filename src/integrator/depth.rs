@@ -21,8 +21,14 @@ impl PixelIntegrator for Depth {
     ) -> Estimate {
         counters.rays += 1;
         match scene.intersect(&ray.to_ray()) {
-            Some(hit) => Estimate { radiance: Rgb::grey(hit.distance), alpha: 1.0 },
-            None => Estimate { radiance: Rgb::BLACK, alpha: 0.0 },
+            Some(hit) => Estimate {
+                radiance: Rgb::grey(hit.distance),
+                alpha: 1.0,
+            },
+            None => Estimate {
+                radiance: Rgb::BLACK,
+                alpha: 0.0,
+            },
         }
     }
 }

@@ -56,7 +56,9 @@ impl Direct {
         let u = sampler.next_2d();
         let sample = scene.lights().sample_toward(hit.point.position, u)?.sample;
         let wo = hit.point.shading.to_local(sample.direction);
-        let (value, own) = hit.bsdf.eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
+        let (value, own) = hit
+            .bsdf
+            .eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
         if value.is_black() {
             return None;
         }
@@ -82,7 +84,9 @@ impl Direct {
         counters: &mut Counters,
     ) -> Option<Rgb> {
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-        let sample = hit.bsdf.sample(hit.wi, &hit.point, Transport::Radiance, u_lobe, u)?;
+        let sample = hit
+            .bsdf
+            .sample(hit.wi, &hit.point, Transport::Radiance, u_lobe, u)?;
         let ray = hit.spawn(sample.direction);
         counters.rays += 1;
         let met = scene.intersect(&ray);
@@ -90,12 +94,18 @@ impl Direct {
             Some(met) => {
                 let id = met.emitter?;
                 let radiance = scene.lights().get(id).radiance(&met.point, met.back);
-                (radiance, self.density_toward(scene, id, hit.point.position, met))
+                (
+                    radiance,
+                    self.density_toward(scene, id, hit.point.position, met),
+                )
             }
             None => {
                 let toward = ray.direction();
                 let lights = scene.lights();
-                (lights.environment_radiance(toward), lights.environment_density(toward).0)
+                (
+                    lights.environment_radiance(toward),
+                    lights.environment_density(toward).0,
+                )
             }
         };
         if radiance.is_black() {
@@ -135,7 +145,10 @@ impl PixelIntegrator for Direct {
         let Some(hit) = scene.intersect(&ray) else {
             let seen = scene.lights().environment_radiance(ray.direction());
             let radiance = if self.hide_emitters { Rgb::BLACK } else { seen };
-            return Estimate { radiance, alpha: 0.0 };
+            return Estimate {
+                radiance,
+                alpha: 0.0,
+            };
         };
         let mut radiance = match hit.emitter {
             Some(id) if !self.hide_emitters => {
@@ -145,13 +158,19 @@ impl PixelIntegrator for Direct {
         };
         if hit.bsdf.lobes().finite {
             for _ in 0..self.emitter_samples {
-                radiance +=
-                    self.emitter_sample(scene, &hit, sampler, counters).unwrap_or_default();
+                radiance += self
+                    .emitter_sample(scene, &hit, sampler, counters)
+                    .unwrap_or_default();
             }
         }
         for _ in 0..self.bsdf_samples {
-            radiance += self.bsdf_sample(scene, &hit, sampler, counters).unwrap_or_default();
+            radiance += self
+                .bsdf_sample(scene, &hit, sampler, counters)
+                .unwrap_or_default();
         }
-        Estimate { radiance, alpha: 1.0 }
+        Estimate {
+            radiance,
+            alpha: 1.0,
+        }
     }
 }

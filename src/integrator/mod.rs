@@ -41,7 +41,9 @@ pub fn from_options(
         "path" => Ok(Box::new(PathTracer::from_options(options)?)),
         "direct" => Ok(Box::new(Direct::from_options(options)?)),
         "depth" => Ok(Box::new(Depth)),
-        _ => Err(OptionError::UnknownIntegrator { name: name.to_owned() }),
+        _ => Err(OptionError::UnknownIntegrator {
+            name: name.to_owned(),
+        }),
     }
 }
 
@@ -49,6 +51,8 @@ pub fn from_options(
 fn heuristic(options: &mut OptionReader<'_>) -> Result<Heuristic, OptionError> {
     let names = Heuristic::NAMES.map(|(name, _)| name);
     let name = options.choice("mis", &names, "power")?;
-    let found = Heuristic::NAMES.into_iter().find(|(candidate, _)| *candidate == name);
+    let found = Heuristic::NAMES
+        .into_iter()
+        .find(|(candidate, _)| *candidate == name);
     Ok(found.map_or_else(Heuristic::default, |(_, heuristic)| heuristic))
 }

@@ -80,7 +80,10 @@ pub struct OptionReader<'o> {
 impl<'o> OptionReader<'o> {
     /// Starts reading.
     pub fn new(options: &'o Options) -> Self {
-        Self { options, used: BTreeMap::new() }
+        Self {
+            options,
+            used: BTreeMap::new(),
+        }
     }
 
     /// A whole number in a range.
@@ -140,7 +143,11 @@ impl<'o> OptionReader<'o> {
     /// The options that were given and never asked for.
     pub fn unused(&self) -> Vec<String> {
         let asked: BTreeSet<_> = self.used.keys().collect();
-        self.options.keys().filter(|name| !asked.contains(name)).cloned().collect()
+        self.options
+            .keys()
+            .filter(|name| !asked.contains(name))
+            .cloned()
+            .collect()
     }
 
     /// All options that were asked for, with the values in use.
@@ -156,7 +163,11 @@ impl<'o> OptionReader<'o> {
 }
 
 fn wrong(name: &str, found: &OptionValue, expected: String) -> OptionError {
-    OptionError::Value { name: name.to_owned(), found: found.to_string(), expected }
+    OptionError::Value {
+        name: name.to_owned(),
+        found: found.to_string(),
+        expected,
+    }
 }
 
 #[cfg(test)]
@@ -164,24 +175,37 @@ mod tests {
     use super::*;
 
     fn options(pairs: &[(&str, &str)]) -> Options {
-        pairs.iter().map(|(k, v)| ((*k).to_owned(), OptionValue::parse(v))).collect()
+        pairs
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), OptionValue::parse(v)))
+            .collect()
     }
 
     #[test]
     fn kinds_and_ranges_are_checked() {
-        let given = options(&[("depth", "5"), ("rr", "2.0"), ("hide", "true"), ("mis", "maxi")]);
+        let given = options(&[
+            ("depth", "5"),
+            ("rr", "2.0"),
+            ("hide", "true"),
+            ("mis", "maxi"),
+        ]);
         let mut reader = OptionReader::new(&given);
         assert_eq!(reader.integer("depth", -1..=i64::MAX, 7), Ok(5));
         assert_eq!(reader.integer("rr", 1..=9, 7), Ok(2));
         assert_eq!(reader.integer("absent", 1..=9, 7), Ok(7));
         assert_eq!(reader.boolean("hide", false), Ok(true));
-        let error = reader.choice("mis", &["balance", "power"], "power").unwrap_err();
+        let error = reader
+            .choice("mis", &["balance", "power"], "power")
+            .unwrap_err();
         assert_eq!(
             error.to_string(),
             "option \"mis\": found \"maxi\", expected one of balance, power"
         );
         let error = reader.integer("depth", 6..=i64::MAX, 7).unwrap_err();
-        assert!(error.to_string().contains("a whole number from 6 on"), "{error}");
+        assert!(
+            error.to_string().contains("a whole number from 6 on"),
+            "{error}"
+        );
         assert!(reader.boolean("depth", false).is_err());
     }
 

@@ -74,13 +74,18 @@ impl PathTracer {
 
     /// Light of a surface that a ray meets by chance.
     fn met_surface(&self, scene: &Scene, walk: &Walk, hit: &Interaction<'_>) -> Rgb {
-        let Some(id) = hit.emitter else { return Rgb::BLACK };
+        let Some(id) = hit.emitter else {
+            return Rgb::BLACK;
+        };
         let radiance = scene.lights().get(id).radiance(&hit.point, hit.back);
         if radiance.is_black() {
             return radiance;
         }
         let weight = walk.departure.density.map_or(1.0, |own| {
-            let other = scene.lights().density_toward(id, walk.departure.position, &hit.point).0;
+            let other = scene
+                .lights()
+                .density_toward(id, walk.departure.position, &hit.point)
+                .0;
             self.heuristic.second_weight(other, own)
         });
         radiance * weight
@@ -103,7 +108,9 @@ impl PathTracer {
         if self.strict_normals && !sides_agree(hit, wo, sample.direction) {
             return Rgb::BLACK;
         }
-        let (value, own) = hit.bsdf.eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
+        let (value, own) = hit
+            .bsdf
+            .eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
         if value.is_black() {
             return Rgb::BLACK;
         }
@@ -123,7 +130,9 @@ impl PathTracer {
     fn scatter(&self, hit: &Interaction<'_>, sampler: &mut Sampler) -> Option<(BsdfSample, Ray)> {
         let u_lobe = sampler.next_1d();
         let u = sampler.next_2d();
-        let sample = hit.bsdf.sample(hit.wi, &hit.point, Transport::Radiance, u_lobe, u)?;
+        let sample = hit
+            .bsdf
+            .sample(hit.wi, &hit.point, Transport::Radiance, u_lobe, u)?;
         let ray = hit.spawn(sample.direction);
         let agree = !self.strict_normals || sides_agree(hit, sample.direction, ray.direction());
         (agree && !sample.weight.is_black()).then_some((sample, ray))
@@ -152,12 +161,18 @@ impl PixelIntegrator for PathTracer {
         sampler: &mut Sampler,
         counters: &mut Counters,
     ) -> Estimate {
-        let mut estimate = Estimate { radiance: Rgb::BLACK, alpha: 0.0 };
+        let mut estimate = Estimate {
+            radiance: Rgb::BLACK,
+            alpha: 0.0,
+        };
         let mut ray = camera_ray.to_ray();
         let mut walk = Walk {
             throughput: Rgb::WHITE,
             eta: 1.0,
-            departure: Departure { position: ray.origin(), density: None },
+            departure: Departure {
+                position: ray.origin(),
+                density: None,
+            },
         };
         // `depth` counts the edges of the path that ends at the ray's other end.
         for depth in 1..=self.max_depth {
@@ -185,12 +200,17 @@ impl PixelIntegrator for PathTracer {
             if !matches!(&scattered, Some((sample, _)) if sample.lobe == Lobe::Null) {
                 estimate.alpha = 1.0;
             }
-            let Some((sample, next)) = scattered else { break };
+            let Some((sample, next)) = scattered else {
+                break;
+            };
             ray = next;
             walk.throughput *= sample.weight;
             walk.eta *= sample.eta;
             let density = (!sample.lobe.is_dirac()).then_some(sample.density);
-            walk.departure = Departure { position: hit.point.position, density };
+            walk.departure = Departure {
+                position: hit.point.position,
+                density,
+            };
             if !self.survives(depth, &mut walk, sampler) {
                 break;
             }

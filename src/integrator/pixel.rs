@@ -93,7 +93,14 @@ impl<'s> PixelRender<'s> {
             height: window.height + 2 * border,
         };
         let unit = Unit::for_magnitude(1.0);
-        let mut render = Self { scene, sensor, integrator, settings, unit, sampled };
+        let mut render = Self {
+            scene,
+            sensor,
+            integrator,
+            settings,
+            unit,
+            sampled,
+        };
         render.unit = Unit::for_magnitude(render.mean_luminance());
         render
     }
@@ -117,9 +124,15 @@ impl<'s> PixelRender<'s> {
             let size = Vec2::new(window.width as f32, window.height as f32);
             let raster = Vec2::new(window.x as f32, window.y as f32) + place * size;
             let ray = self.sensor.sample_ray(raster, sampler.next_2d());
-            let estimate = self.integrator.estimate(self.scene, &ray, &mut sampler, &mut counters);
+            let estimate = self
+                .integrator
+                .estimate(self.scene, &ray, &mut sampler, &mut counters);
             let luminance = f64::from(estimate.radiance.luminance());
-            sum += if luminance.is_finite() { luminance } else { 0.0 };
+            sum += if luminance.is_finite() {
+                luminance
+            } else {
+                0.0
+            };
         }
         sum / f64::from(SIDE * SIDE)
     }
@@ -135,14 +148,23 @@ impl<'s> PixelRender<'s> {
     ) {
         let settings = &self.settings;
         let pixel = y * self.sampled.width + x;
-        let address =
-            PixelAddress { seed: settings.seed, purpose: Purpose::Pixel, pixel, sample: pass };
+        let address = PixelAddress {
+            seed: settings.seed,
+            purpose: Purpose::Pixel,
+            pixel,
+            sample: pass,
+        };
         let mut sampler = Sampler::new(settings.sampler, address);
         let offset = self.offset_in_pixel(pass, &mut sampler);
-        let corner = Vec2::new((self.sampled.x + x as i32) as f32, (self.sampled.y + y as i32) as f32);
+        let corner = Vec2::new(
+            (self.sampled.x + x as i32) as f32,
+            (self.sampled.y + y as i32) as f32,
+        );
         let raster = corner + offset;
         let ray = self.sensor.sample_ray(raster, sampler.next_2d());
-        let estimate = self.integrator.estimate(self.scene, &ray, &mut sampler, counters);
+        let estimate = self
+            .integrator
+            .estimate(self.scene, &ray, &mut sampler, counters);
         counters.paths += 1;
 
         let [r, g, b] = estimate.radiance.to_array();
@@ -196,7 +218,10 @@ impl<'s> PixelRender<'s> {
 
 impl Integrator for PixelRender<'_> {
     fn layers(&self) -> Vec<Layer> {
-        let mut layers = vec![Layer::new("", if self.settings.alpha { "RGBA" } else { "RGB" })];
+        let mut layers = vec![Layer::new(
+            "",
+            if self.settings.alpha { "RGBA" } else { "RGB" },
+        )];
         if self.settings.second_moment {
             layers.push(Layer::new("moment2", "RGB"));
         }
@@ -207,7 +232,9 @@ impl Integrator for PixelRender<'_> {
     fn units(&self) -> Vec<Unit> {
         let mut units = vec![self.unit];
         if self.settings.second_moment {
-            units.push(Unit::for_magnitude((self.unit.value() * 2.0_f64.powi(32)).powi(2)));
+            units.push(Unit::for_magnitude(
+                (self.unit.value() * 2.0_f64.powi(32)).powi(2),
+            ));
         }
         let bounds = self.scene.bounds();
         units.extend(self.settings.aovs.iter().map(|aov| aov.unit(bounds)));

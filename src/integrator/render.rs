@@ -92,9 +92,16 @@ pub fn render(
         let channels = layer.channels.len();
         buffers.push(PassBuffer::new(window, channels, unit));
         let replicas = keep_variance(layer).then(|| integrator.passes_per_replica());
-        sums.push(Accumulator::new(window.pixel_count() * channels, unit, replicas));
+        sums.push(Accumulator::new(
+            window.pixel_count() * channels,
+            unit,
+            replicas,
+        ));
     }
-    let mut done = Step { passes: 0, counters: Counters::default() };
+    let mut done = Step {
+        passes: 0,
+        counters: Counters::default(),
+    };
     while !cancelled.load(Relaxed) && next(done).is_continue() {
         done_units.store(0, Relaxed);
         let counters = run_pass(integrator, done.passes, &buffers, cancelled, done_units);
@@ -107,7 +114,12 @@ pub fn render(
         done.passes += 1;
     }
     let layers = layers.into_iter().zip(sums).collect();
-    Rendered { layers, window, passes: done.passes, counters: done.counters }
+    Rendered {
+        layers,
+        window,
+        passes: done.passes,
+        counters: done.counters,
+    }
 }
 
 /// Runs all units of one pass; `None` when it was cancelled before its end.
@@ -119,18 +131,22 @@ fn run_pass(
     done_units: &AtomicU64,
 ) -> Option<Counters> {
     let total = Mutex::new(Counters::default());
-    (0..integrator.unit_count()).into_par_iter().for_each(|unit| {
-        if cancelled.load(Relaxed) {
-            return;
-        }
-        let counters = integrator.run_unit(pass, unit, buffers);
-        // Integer counts: their sum does not depend on the order.
-        match total.lock() {
-            Ok(mut total) => *total += counters,
-            Err(poisoned) => *poisoned.into_inner() += counters,
-        }
-        done_units.fetch_add(1, Relaxed);
-    });
-    let counters = total.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    (0..integrator.unit_count())
+        .into_par_iter()
+        .for_each(|unit| {
+            if cancelled.load(Relaxed) {
+                return;
+            }
+            let counters = integrator.run_unit(pass, unit, buffers);
+            // Integer counts: their sum does not depend on the order.
+            match total.lock() {
+                Ok(mut total) => *total += counters,
+                Err(poisoned) => *poisoned.into_inner() += counters,
+            }
+            done_units.fetch_add(1, Relaxed);
+        });
+    let counters = total
+        .into_inner()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
     (!cancelled.load(Relaxed)).then_some(counters)
 }

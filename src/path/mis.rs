@@ -18,8 +18,11 @@ pub enum Heuristic {
 
 impl Heuristic {
     /// All heuristics, with their names in options.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("balance", Self::Balance), ("power", Self::Power), ("maximum", Self::Maximum)];
+    pub const NAMES: [(&'static str, Self); 3] = [
+        ("balance", Self::Balance),
+        ("power", Self::Power),
+        ("maximum", Self::Maximum),
+    ];
 
     /// Weight of the first of two techniques.
     ///
@@ -58,7 +61,13 @@ mod tests {
     #[test]
     fn weights_sum_to_one() {
         for (name, heuristic) in Heuristic::NAMES {
-            for (a, b) in [(1.0, 2.0), (3.0, 3.0), (0.0, 1.0), (2.0, 0.0), (1e30, 1e-30)] {
+            for (a, b) in [
+                (1.0, 2.0),
+                (3.0, 3.0),
+                (0.0, 1.0),
+                (2.0, 0.0),
+                (1e30, 1e-30),
+            ] {
                 let sum = heuristic.first_weight(a, b) + heuristic.second_weight(a, b);
                 assert!((sum - 1.0).abs() < 1e-6, "{name} at {a}, {b}: {sum}");
             }

@@ -67,7 +67,11 @@ impl SceneBuilder {
         let shape = Arc::new(shape);
         let emitter =
             radiance.map(|radiance| self.add_emitter(Area::new(Arc::clone(&shape), radiance)));
-        self.objects.push(Object { shape, bsdf, emitter });
+        self.objects.push(Object {
+            shape,
+            bsdf,
+            emitter,
+        });
         Ok(())
     }
 
@@ -76,13 +80,23 @@ impl SceneBuilder {
     /// # Errors
     /// What the tracer says of geometry that it cannot take.
     pub fn build(self) -> Result<Scene, BuildError> {
-        let Self { objects, bsdfs, mut emitters } = self;
+        let Self {
+            objects,
+            bsdfs,
+            mut emitters,
+        } = self;
         let accel = Accel::build(objects.iter().map(|object| object.shape.geometry()))?;
         let bounds = bounding_sphere(accel.bounding_box());
         for emitter in &mut emitters {
             emitter.set_scene_bounds(bounds);
         }
-        Ok(Scene { accel, objects, bsdfs, lights: Lights::new(emitters), bounds })
+        Ok(Scene {
+            accel,
+            objects,
+            bsdfs,
+            lights: Lights::new(emitters),
+            bounds,
+        })
     }
 }
 
@@ -90,5 +104,8 @@ impl SceneBuilder {
 fn bounding_sphere(corners: Option<(Vec3, Vec3)>) -> SceneBounds {
     let (low, high) = corners.unwrap_or((-Vec3::ONE, Vec3::ONE));
     let radius = 0.5 * (high - low).length();
-    SceneBounds { centre: 0.5 * (low + high), radius: radius.max(f32::MIN_POSITIVE) }
+    SceneBounds {
+        centre: 0.5 * (low + high),
+        radius: radius.max(f32::MIN_POSITIVE),
+    }
 }

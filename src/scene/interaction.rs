@@ -36,7 +36,14 @@ impl<'s> Interaction<'s> {
         });
         let back = -ray.direction();
         let wi = point.shading.to_local(back);
-        Self { point, bsdf, emitter: object.emitter, back, wi, distance: hit.distance }
+        Self {
+            point,
+            bsdf,
+            emitter: object.emitter,
+            back,
+            wi,
+            distance: hit.distance,
+        }
     }
 
     /// The ray that leaves in a direction of the shading frame.

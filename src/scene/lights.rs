@@ -29,11 +29,14 @@ impl Lights {
     /// An emitter without power is never chosen; if none has any, all are equally likely.
     pub(super) fn new(emitters: Vec<Emitter>) -> Self {
         let powers: Vec<f64> = emitters.iter().map(EmitterModel::power).collect();
-        let choice =
-            Discrete::new(&powers).or_else(|| Discrete::new(&vec![1.0; emitters.len()]));
+        let choice = Discrete::new(&powers).or_else(|| Discrete::new(&vec![1.0; emitters.len()]));
         let is_environment = |e: &Emitter| e.class() == crate::emitter::EmitterClass::Environment;
         let environment = emitters.iter().position(is_environment);
-        Self { choice, environment: environment.map(|i| EmitterId(i as u32)), emitters }
+        Self {
+            choice,
+            environment: environment.map(|i| EmitterId(i as u32)),
+            emitters,
+        }
     }
 
     /// All emitters, in the order of their ids.
@@ -55,7 +58,9 @@ impl Lights {
     /// Probability with which an emitter is chosen.
     #[inline]
     pub fn probability(&self, id: EmitterId) -> f32 {
-        self.choice.as_ref().map_or(0.0, |choice| choice.probability(id.0 as usize))
+        self.choice
+            .as_ref()
+            .map_or(0.0, |choice| choice.probability(id.0 as usize))
     }
 
     /// Chooses an emitter and samples a direction to it.
@@ -65,7 +70,9 @@ impl Lights {
     pub fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<ChosenSample> {
         let choice = self.choice.as_ref()?.sample(u.x);
         let emitter = EmitterId(choice.index as u32);
-        let mut sample = self.get(emitter).sample_toward(from, Vec2::new(choice.remainder, u.y))?;
+        let mut sample = self
+            .get(emitter)
+            .sample_toward(from, Vec2::new(choice.remainder, u.y))?;
         sample.density.0 *= choice.probability;
         Some(ChosenSample { sample, emitter })
     }
@@ -84,7 +91,8 @@ impl Lights {
     /// Radiance that arrives from the unit direction `toward` infinity.
     #[inline]
     pub fn environment_radiance(&self, toward: Vec3) -> Rgb {
-        self.environment.map_or(Rgb::BLACK, |id| self.get(id).environment_radiance(toward))
+        self.environment
+            .map_or(Rgb::BLACK, |id| self.get(id).environment_radiance(toward))
     }
 
     /// Density with which [`Lights::sample_toward`] makes the unit direction `toward` infinity.

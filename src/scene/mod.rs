@@ -98,6 +98,8 @@ impl Scene {
     /// True when nothing stands between a point and infinity in a unit direction.
     #[inline]
     pub fn is_visible_to_infinity(&self, from: &SurfacePoint, toward: Vec3) -> bool {
-        !self.accel.is_occluded(&Ray::new(from.ray_origin(toward), toward))
+        !self
+            .accel
+            .is_occluded(&Ray::new(from.ray_origin(toward), toward))
     }
 }

@@ -353,12 +353,16 @@ impl<'a> ElementReader<'a> {
     /// Finds a property and marks it as used.
     fn find(&mut self, name: &str) -> Option<&'a Property> {
         self.ask(name);
-        let properties = &self.element.properties;
-        let index = properties
-            .iter()
-            .position(|property| property.name.normalised == name)?;
+        let index = self.position(name)?;
         self.used_properties[index] = true;
-        Some(&properties[index])
+        Some(&self.element.properties[index])
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        self.element
+            .properties
+            .iter()
+            .position(|property| property.name.normalised == name)
     }
 
     /// Finds a property and reads it; notes a value that `read` does not take.

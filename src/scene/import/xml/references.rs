@@ -1,6 +1,6 @@
 //! Ids, aliases and refs: which object a name means.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
@@ -30,7 +30,7 @@ pub(super) enum Target {
 #[derive(Default)]
 pub(super) struct Ids {
     /// `None` for an object that could not be read: refs to it need no further message.
-    declared: HashMap<String, (Option<ElementId>, Location)>,
+    declared: BTreeMap<String, (Option<ElementId>, Location)>,
     /// In the order of the files.
     aliases: Vec<Alias>,
 }
@@ -187,11 +187,7 @@ impl Builder {
             Lookup::Found(element) => allowed.contains(&self.elements[element.0 as usize].kind),
             _ => false,
         };
-        let fitting_hint = || {
-            let mut fitting: Vec<&str> = self.ids.names().filter(fits).collect();
-            fitting.sort_unstable();
-            did_you_mean(id, fitting)
-        };
+        let fitting_hint = || did_you_mean(id, self.ids.names().filter(fits));
         match self.ids.lookup(id) {
             Lookup::Broken => None,
             Lookup::Unknown => {
