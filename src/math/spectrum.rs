@@ -222,6 +222,16 @@ mod tests {
         );
         let light = curve(&[(400.0, 0.0), (500.0, 8.0), (600.0, 15.6), (700.0, 18.4)]);
         assert_near(light.to_emission(), [20.7108, 10.8546, 2.77115], 1.5e-3);
+        let step = curve(&[
+            (432.0, 0.031),
+            (497.0, 0.025),
+            (516.0, 0.541),
+            (542.0, 0.939),
+            (682.0, 0.381),
+            (749.0, 0.217),
+        ]);
+        assert_near(step.to_reflectance(), [0.734188, 0.744576, 0.0], 1.5e-3);
+        assert_near(step.to_emission(), [0.852287, 0.717267, 0.0], 1.5e-3);
         let eta = curve(&[(450.0, 0.5), (500.0, 1.0), (650.0, 2.0)]);
         assert_near(eta.to_index(), [1.71677, 1.33963, 0.258248], 1.5e-3);
     }
@@ -283,6 +293,18 @@ mod tests {
             (2.0 * blackbody(3000.0, 1.0)).to_array(),
             1e-6,
         );
+    }
+
+    #[test]
+    fn blackbodies_agree_with_another_renderer() {
+        // Mitsuba 3.9.1, scalar_spectral: its `blackbody` at every nm, summed against the observer.
+        for (temperature, expected) in [
+            (2000.0, [16.0142, 4.11181, 0.130369]),
+            (5000.0, [15263.05, 12082.59, 9592.567]),
+            (10_000.0, [158_408.5, 180_718.0, 260_025.8]),
+        ] {
+            assert_near(blackbody(temperature, 1.0), expected, 2e-4);
+        }
     }
 
     #[test]

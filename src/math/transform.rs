@@ -62,8 +62,8 @@ impl Transform {
         }
         let linear = DMat3::from_mat4(matrix);
         let lengths = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
-        // Written so that a determinant that is not a number counts as singular as well.
-        if !(linear.determinant().abs() > SINGULAR * lengths) {
+        let volume = linear.determinant().abs();
+        if volume.is_nan() || volume <= SINGULAR * lengths {
             return Err(TransformError::Singular);
         }
         let inverse = matrix.inverse();

@@ -89,7 +89,7 @@ pub(super) struct Builder {
     pub(super) drafts: Vec<Vec<DraftChild>>,
     pub(super) ids: Ids,
     /// The files being read, outermost first: as shown, and as the disk knows them.
-    open: Vec<(PathBuf, PathBuf)>,
+    pub(super) open: Vec<(PathBuf, PathBuf)>,
     sources: usize,
 }
 
@@ -153,7 +153,7 @@ impl Builder {
     }
 
     /// Reads one file into `parent`. Returns its version, `None` when it is not readable as XML.
-    fn read_source(
+    pub(super) fn read_source(
         &mut self,
         file: &Path,
         bytes: &[u8],
@@ -368,62 +368,6 @@ impl Builder {
         if properties.len() + children.len() < before {
             let message = format!("\"{}\" is given twice; the last one counts", name.written);
             self.problems.warning(location, message);
-        }
-    }
-
-    fn default(&mut self, node: Node<'_, '_>, file: &FileContext<'_>) {
-        let mut attributes = self.attributes(node, file);
-        let name = attributes.require("name", &self.problems);
-        let value = attributes.require("value", &self.problems);
-        let location = attributes.location.clone();
-        attributes.finish(&self.problems);
-        if let (Some(name), Some(value)) = (name, value) {
-            self.parameters.define(&name.value, value.value, location);
-        }
-    }
-
-    fn path(&mut self, node: Node<'_, '_>, file: &FileContext<'_>) {
-        let mut attributes = self.attributes(node, file);
-        if let Some(folder) = attributes.require("value", &self.problems) {
-            self.files
-                .add_path(&folder.value, &folder.location, &self.problems);
-        }
-        attributes.finish(&self.problems);
-    }
-
-    fn include(&mut self, node: Node<'_, '_>, parent: ElementId, file: &FileContext<'_>) {
-        let mut attributes = self.attributes(node, file);
-        let name = attributes.require("filename", &self.problems);
-        attributes.finish(&self.problems);
-        let Some(name) = name else { return };
-        let at = &name.location;
-        let Some(path) = self.files.find_noted(&name.value, at, &self.problems) else {
-            return;
-        };
-        let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if let Some(first) = self.open.iter().position(|(_, open)| *open == canonical) {
-            let chain = self.open[first..]
-                .iter()
-                .map(|(shown, _)| shown)
-                .chain([&path]);
-            let chain: Vec<String> = chain.map(|file| file.display().to_string()).collect();
-            return self
-                .problems
-                .error(at, format!("recursive include: {}", chain.join(" → ")));
-        }
-        if self.open.len() > DEEPEST {
-            return self
-                .problems
-                .error(at, format!("more than {DEEPEST} files include each other"));
-        }
-        match std::fs::read(&path) {
-            Ok(bytes) => {
-                self.read_source(&path, &bytes, parent, Some(file.version));
-            }
-            Err(reason) => {
-                self.problems
-                    .error(at, format!("cannot read {}: {reason}", path.display()));
-            }
         }
     }
 }

@@ -353,12 +353,16 @@ impl<'a> ElementReader<'a> {
     /// Finds a property and marks it as used.
     fn find(&mut self, name: &str) -> Option<&'a Property> {
         self.ask(name);
-        let properties = &self.element.properties;
-        let index = properties
-            .iter()
-            .position(|property| property.name.normalised == name)?;
+        let index = self.position(name)?;
         self.used_properties[index] = true;
-        Some(&properties[index])
+        Some(&self.element.properties[index])
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        self.element
+            .properties
+            .iter()
+            .position(|property| property.name.normalised == name)
     }
 
     /// Finds a property and reads it; notes a value that `read` does not take.
@@ -387,12 +391,9 @@ impl<'a> ElementReader<'a> {
 
     /// Where the property stands, or the element when it is absent.
     fn location_of(&self, name: &str) -> Location {
-        let properties = self.element.properties.iter();
-        let found = properties
-            .filter(|property| property.name.normalised == name)
-            .next_back();
-        found
-            .map_or(&self.element.location, |property| &property.location)
-            .clone()
+        let found = self
+            .position(name)
+            .map(|index| &self.element.properties[index].location);
+        found.unwrap_or(&self.element.location).clone()
     }
 }

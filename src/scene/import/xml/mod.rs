@@ -12,6 +12,7 @@ mod attributes;
 mod builder;
 mod colour;
 mod diagnostics;
+mod directives;
 mod element_reader;
 mod files;
 mod kinds;

@@ -1,6 +1,6 @@
 //! Ids, aliases and refs: which object a name means.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
@@ -30,7 +30,7 @@ pub(super) enum Target {
 #[derive(Default)]
 pub(super) struct Ids {
     /// `None` for an object that could not be read: refs to it need no further message.
-    declared: HashMap<String, (Option<ElementId>, Location)>,
+    declared: BTreeMap<String, (Option<ElementId>, Location)>,
     /// In the order of the files.
     aliases: Vec<Alias>,
 }
