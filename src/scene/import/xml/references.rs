@@ -187,11 +187,7 @@ impl Builder {
             Lookup::Found(element) => allowed.contains(&self.elements[element.0 as usize].kind),
             _ => false,
         };
-        let fitting_hint = || {
-            let mut fitting: Vec<&str> = self.ids.names().filter(fits).collect();
-            fitting.sort_unstable();
-            did_you_mean(id, fitting)
-        };
+        let fitting_hint = || did_you_mean(id, self.ids.names().filter(fits));
         match self.ids.lookup(id) {
             Lookup::Broken => None,
             Lookup::Unknown => {
