@@ -1,6 +1,5 @@
 //! Direct light.
 
-use super::options::{OptionError, OptionReader};
 use super::path::is_lit;
 use super::pixel::{Estimate, PixelIntegrator};
 use super::render::Counters;
@@ -9,6 +8,7 @@ use crate::emitter::EmitterModel;
 use crate::math::{Rgb, Vec3};
 use crate::path::Heuristic;
 use crate::random::Sampler;
+use crate::scene::options::{OptionError, OptionReader};
 use crate::scene::{EmitterId, Interaction, Scene};
 use crate::sensor::CameraRay;
 

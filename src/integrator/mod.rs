@@ -6,7 +6,7 @@
 mod aov;
 mod depth;
 mod direct;
-mod options;
+
 mod path;
 mod pixel;
 mod render;
@@ -14,12 +14,13 @@ mod render;
 pub use aov::Aov;
 pub use depth::Depth;
 pub use direct::Direct;
-pub use options::{OptionError, OptionReader, OptionValue, Options};
+
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
 pub use render::{Counters, Integrator, Rendered, Step, render};
 
 use crate::path::Heuristic;
+use crate::scene::options::{OptionError, OptionReader};
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
 pub const NAMES: [(&str, &str); 3] = [

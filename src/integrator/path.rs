@@ -1,6 +1,5 @@
 //! Path tracing.
 
-use super::options::{OptionError, OptionReader};
 use super::pixel::{Estimate, PixelIntegrator};
 use super::render::Counters;
 use crate::accel::Ray;
@@ -9,6 +8,7 @@ use crate::emitter::{EmitterModel, EmitterSample};
 use crate::math::{Local, Rgb, Vec3};
 use crate::path::Heuristic;
 use crate::random::Sampler;
+use crate::scene::options::{OptionError, OptionReader};
 use crate::scene::{Interaction, Scene};
 use crate::sensor::CameraRay;
 

@@ -4,6 +4,7 @@ mod builder;
 pub mod import;
 mod interaction;
 mod lights;
+pub mod options;
 
 pub use builder::{BuildError, SceneBuilder};
 pub use interaction::Interaction;
