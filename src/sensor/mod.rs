@@ -1,6 +1,7 @@
 //! temporary
 use crate::accel::Ray;
 use crate::math::*;
+#[derive(Clone, Debug)]
 pub struct CameraRay {
     pub origin: Vec3,
     pub direction: Vec3,
@@ -12,6 +13,7 @@ impl CameraRay {
         Ray::new(self.origin, self.direction).between(self.near, self.far)
     }
 }
+#[derive(Clone, Debug)]
 pub struct Sensor {
     pub origin: Vec3,
     pub scale: f32,
