@@ -12,7 +12,9 @@ fn main() {
     if let Ok(libraries) = env::var("DEP_EMBREE_RPATH") {
         println!("cargo::rustc-link-arg=-Wl,-rpath,{libraries}");
     }
-    let root = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from).unwrap_or_default();
+    let root = env::var_os("CARGO_MANIFEST_DIR")
+        .map(PathBuf::from)
+        .unwrap_or_default();
     let revision = revision(&root).unwrap_or_else(|| "unknown".to_owned());
     println!("cargo::rustc-env=LUMIFLOW_GIT_REVISION={revision}");
 }
@@ -41,7 +43,11 @@ fn revision(root: &Path) -> Option<String> {
 
 /// The output of a git command without its line end; nothing if it fails or git is missing.
 fn git(root: &Path, arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").current_dir(root).args(arguments).output().ok()?;
+    let output = Command::new("git")
+        .current_dir(root)
+        .args(arguments)
+        .output()
+        .ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     let text = text.trim();
     (output.status.success() && !text.is_empty()).then(|| text.to_owned())
