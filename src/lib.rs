@@ -4,6 +4,7 @@ pub mod accel;
 pub mod bsdf;
 pub mod emitter;
 pub mod film;
+pub mod image;
 pub mod integrator;
 pub mod math;
 pub mod path;
