@@ -274,7 +274,7 @@ impl Reader {
                 .then(|| vertices.iter().map(normal).collect()),
             uvs: (without_uv < vertices.len()).then(|| vertices.iter().map(uv).collect()),
         };
-        ImportedMesh::finish(data, None, warnings)
+        ImportedMesh::finish(data, warnings)
     }
 }
 

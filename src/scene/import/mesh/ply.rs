@@ -73,7 +73,7 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
         warnings.push(format!("{trailing} bytes after the last element ignored"));
     }
     mesh.indices = faces.triangles;
-    ImportedMesh::finish(mesh, None, warnings)
+    ImportedMesh::finish(mesh, warnings)
 }
 
 /// Where a vertex property goes in the eight numbers x, y, z, nx, ny, nz, u, v.
