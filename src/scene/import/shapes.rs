@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::loader::Loader;
 use super::mesh::serialized::SerializedFile;
-use super::mesh::{ImportedMesh, MeshProblem, obj, ply};
+use super::mesh::{ImportedMesh, MeshError, obj, ply};
 use super::xml::{ElementId, ElementKind, ElementReader};
 use crate::accel::{IndexBuffer, VertexBuffer};
 use crate::math::{Transform, Vec2, Vec3};
@@ -128,14 +128,13 @@ impl Loader<'_> {
         let index = reader.integer("shape_index", 0);
         let file = reader.file("filename")?;
         let location = reader.element().location.clone();
-        let parsed = if plugin == "serialized" {
-            self.serialized_mesh(&file, index, reader)?
-        } else {
-            let bytes = self.read_bytes(&file, &location)?;
-            match plugin {
-                "obj" => obj::parse(&bytes, flip_uv),
-                _ => ply::parse(&bytes, flip_uv),
-            }
+        if plugin == "serialized" {
+            return self.serialized_mesh(&file, index, reader);
+        }
+        let bytes = self.read_bytes(&file, &location)?;
+        let parsed = match plugin {
+            "obj" => obj::parse(&bytes, flip_uv),
+            _ => ply::parse(&bytes, flip_uv),
         };
         let noted = parsed.map_err(|problem| {
             reader.error("filename", format!("{}: {problem}", file.display()));
@@ -148,15 +147,12 @@ impl Loader<'_> {
         file: &Path,
         index: i64,
         reader: &ElementReader<'_>,
-    ) -> Option<Result<ImportedMesh, MeshProblem>> {
+    ) -> Option<ImportedMesh> {
+        let note = |error: MeshError| reader.error("filename", error.to_string());
         if !self.serialized.contains_key(file) {
-            let location = &reader.element().location;
-            let bytes = self.read_bytes(file, location);
-            let opened = bytes.and_then(|bytes| {
-                SerializedFile::open(bytes)
-                    .map_err(|p| reader.error("filename", format!("{}: {p}", file.display())))
-                    .ok()
-            });
+            let bytes = self.read_bytes(file, &reader.element().location);
+            let opened = bytes
+                .and_then(|bytes| SerializedFile::open(file, bytes).map_err(note).ok());
             self.serialized.insert(file.to_owned(), opened);
         }
         let opened = self.serialized.get(file)?.as_ref()?;
@@ -164,7 +160,7 @@ impl Loader<'_> {
             reader.error("shape_index", format!("\"shape_index\" is {index}, expected 0 or more"));
             return None;
         };
-        Some(opened.mesh(index))
+        opened.mesh(index).map_err(note).ok()
     }
 
     fn finish_mesh(
