@@ -1,10 +1,10 @@
 //! Materials.
 
 use super::loader::Loader;
-use super::xml::{ColourSource, ColourUse, ElementId, ElementKind, ElementReader, ScalarSource, did_you_mean};
+use super::xml::{ColourSource, ColourUse, ElementId, ElementKind, ElementReader, NumberOrName, ScalarSource, did_you_mean};
 use crate::bsdf::{
-    self, Bsdf, BsdfError, Conductor, Dielectric, Diffuse, Mask, Microfacet, MicrofacetKind, Null,
-    Plastic, RoughConductor, RoughDielectric, RoughPlastic, ThinDielectric, TwoSided,
+    self, Bsdf, BsdfError, ComplexIor, Conductor, Dielectric, Diffuse, Mask, MicrofacetKind, Null,
+    Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic, Roughness, ThinDielectric, TwoSided,
 };
 use crate::math::Rgb;
 use crate::scene::BsdfId;
@@ -32,8 +32,12 @@ impl Loader<'_> {
         if let Some(built) = self.bsdfs.get(&id) {
             return *built;
         }
+        self.anisotropic = false;
         let bsdf = self.build_bsdf(id);
         let built = self.builder.add_bsdf(bsdf);
+        if self.anisotropic {
+            self.needs_tangents.insert(built);
+        }
         self.bsdfs.insert(id, built);
         built
     }
@@ -126,72 +130,70 @@ impl Loader<'_> {
     }
 
     fn dielectric(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let (interior, exterior) = self.indices(reader, "bk7");
+        let ior = self.indices(reader, "bk7");
         let reflectance = self.reflectance(reader, "specular_reflectance", 1.0);
         let transmittance = self.reflectance(reader, "specular_transmittance", 1.0);
-        Ok(Dielectric::new(interior, exterior, reflectance, transmittance)?.into())
+        Ok(Dielectric::new(ior?, reflectance, transmittance).into())
     }
 
     fn thin_dielectric(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let (interior, exterior) = self.indices(reader, "bk7");
+        let ior = self.indices(reader, "bk7");
         let reflectance = self.reflectance(reader, "specular_reflectance", 1.0);
         let transmittance = self.reflectance(reader, "specular_transmittance", 1.0);
-        Ok(ThinDielectric::new(interior, exterior, reflectance, transmittance)?.into())
+        Ok(ThinDielectric::new(ior?, reflectance, transmittance).into())
     }
 
     fn conductor(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
         let reflectance = self.reflectance(reader, "specular_reflectance", 1.0);
-        Ok(match self.metal(reader) {
-            Some((eta, k)) => Conductor::new(eta, k, reflectance)?.into(),
-            None => Conductor::mirror(reflectance).into(),
-        })
+        Ok(Conductor::new(self.metal(reader), reflectance).into())
     }
 
     fn rough_conductor(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let microfacet = self.microfacet(reader);
+        let roughness = self.roughness(reader);
         let reflectance = self.reflectance(reader, "specular_reflectance", 1.0);
-        Ok(match self.metal(reader) {
-            Some((eta, k)) => RoughConductor::new(microfacet, eta, k, reflectance)?.into(),
-            None => RoughConductor::mirror(microfacet, reflectance).into(),
-        })
+        Ok(RoughConductor::new(roughness, self.metal(reader), reflectance).into())
     }
 
     fn rough_dielectric(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let microfacet = self.microfacet(reader);
-        let (interior, exterior) = self.indices(reader, "bk7");
+        let roughness = self.roughness(reader);
+        let ior = self.indices(reader, "bk7");
         let reflectance = self.reflectance(reader, "specular_reflectance", 1.0);
         let transmittance = self.reflectance(reader, "specular_transmittance", 1.0);
-        Ok(RoughDielectric::new(microfacet, interior, exterior, reflectance, transmittance)?.into())
+        Ok(RoughDielectric::new(roughness, ior?, reflectance, transmittance)?.into())
     }
 
     fn plastic(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let (interior, exterior) = self.indices(reader, "polypropylene");
+        let ior = self.indices(reader, "polypropylene");
         let diffuse = self.reflectance(reader, "diffuse_reflectance", 0.5);
         let specular = self.reflectance(reader, "specular_reflectance", 1.0);
         let nonlinear = reader.boolean("nonlinear", false);
-        Ok(Plastic::new(interior, exterior, diffuse, specular, nonlinear)?.into())
+        Ok(Plastic::new(ior?, specular, diffuse, nonlinear).into())
     }
 
     fn rough_plastic(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
         let kind = self.distribution(reader);
         let alpha = reader.float("alpha", 0.1);
-        let (interior, exterior) = self.indices(reader, "polypropylene");
+        let ior = self.indices(reader, "polypropylene");
         let diffuse = self.reflectance(reader, "diffuse_reflectance", 0.5);
         let specular = self.reflectance(reader, "specular_reflectance", 1.0);
         let nonlinear = reader.boolean("nonlinear", false);
-        Ok(RoughPlastic::new(kind, alpha, interior, exterior, diffuse, specular, nonlinear)?.into())
+        Ok(RoughPlastic::new(kind, alpha, ior?, specular, diffuse, nonlinear).into())
     }
 
-    /// Inner and outer index of refraction, by number or by name.
-    fn indices(&self, reader: &mut ElementReader<'_>, interior: &'static str) -> (f32, f32) {
+    /// Inner over outer index of refraction, by number or by name.
+    fn indices(
+        &self,
+        reader: &mut ElementReader<'_>,
+        interior: &'static str,
+    ) -> Result<RelativeIor, BsdfError> {
         let inner = self.index(reader, "int_ior", interior);
-        (inner, self.index(reader, "ext_ior", "air"))
+        RelativeIor::new(inner, self.index(reader, "ext_ior", "air"))
     }
 
     fn index(&self, reader: &mut ElementReader<'_>, name: &str, default: &'static str) -> f32 {
-        let named = match reader.optional_number_or_string(name) {
-            Some(Ok(number)) => return number,
-            Some(Err(named)) => named,
+        let named = match reader.number_or_name(name) {
+            Some(NumberOrName::Number(number)) => return number,
+            Some(NumberOrName::Name(named)) => named,
             None => default,
         };
         bsdf::ior(named).unwrap_or_else(|| {
@@ -202,14 +204,15 @@ impl Loader<'_> {
     }
 
     /// Complex index of a metal relative to its surroundings; `None` for a perfect mirror.
-    fn metal(&self, reader: &mut ElementReader<'_>) -> Option<(Rgb, Rgb)> {
+    fn metal(&self, reader: &mut ElementReader<'_>) -> Option<ComplexIor> {
         let exterior = self.index(reader, "ext_eta", "air");
         let given = reader.colour("eta", ColourUse::Index);
         let absorption = reader.colour("k", ColourUse::Index);
         let material = reader.optional_string("material");
         if given.is_some() || absorption.is_some() {
             let eta = given.unwrap_or(Rgb::BLACK);
-            return Some((eta / exterior, absorption.unwrap_or(Rgb::WHITE) / exterior));
+            let k = absorption.unwrap_or(Rgb::WHITE);
+            return Some(ComplexIor { eta: eta / exterior, k: k / exterior });
         }
         let material = material.unwrap_or("Cu");
         if material.eq_ignore_ascii_case("none") {
@@ -220,7 +223,7 @@ impl Loader<'_> {
             reader.error("material", format!("unknown material \"{material}\"{hint}"));
             return None;
         };
-        Some((eta / exterior, k / exterior))
+        Some(ComplexIor { eta: eta / exterior, k: k / exterior })
     }
 
     fn distribution(&self, reader: &mut ElementReader<'_>) -> MicrofacetKind {
@@ -240,16 +243,17 @@ impl Loader<'_> {
         kind
     }
 
-    fn microfacet(&mut self, reader: &mut ElementReader<'_>) -> Microfacet {
+    fn roughness(&mut self, reader: &mut ElementReader<'_>) -> Roughness {
         let kind = self.distribution(reader);
         let alpha = self.optional_scalar(reader, "alpha");
         let along = self.optional_scalar(reader, "alpha_u");
         let across = self.optional_scalar(reader, "alpha_v");
         match (along, across) {
-            (None, None) => Microfacet::isotropic(kind, alpha.unwrap_or_else(|| 0.1.into())),
+            (None, None) => Roughness::isotropic(kind, alpha.unwrap_or_else(|| 0.1.into())),
             (along, across) => {
                 let other = || alpha.clone().unwrap_or_else(|| 0.1.into());
-                Microfacet::new(kind, along.unwrap_or_else(other), across.unwrap_or_else(other))
+                self.anisotropic = true;
+                Roughness::new(kind, along.unwrap_or_else(other), across.unwrap_or_else(other))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What the readers of all kinds of elements share.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use xxhash_rust::xxh3::Xxh3;
@@ -23,6 +23,10 @@ pub(super) struct Loader<'t> {
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
     /// The material of shapes that name none.
     pub(super) default_bsdf: Option<BsdfId>,
+    /// Whether the material under construction depends on the direction of the tangent, and those
+    /// that do.
+    pub(super) anisotropic: bool,
+    pub(super) needs_tangents: HashSet<BsdfId>,
     hash: RefCell<Xxh3>,
 }
 
@@ -36,6 +40,8 @@ impl<'t> Loader<'t> {
             textures: HashMap::new(),
             serialized: HashMap::new(),
             default_bsdf: None,
+            anisotropic: false,
+            needs_tangents: HashSet::new(),
             hash: RefCell::new(Xxh3::new()),
         }
     }

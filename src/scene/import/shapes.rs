@@ -43,7 +43,10 @@ impl Loader<'_> {
             }
         };
         reader.finish();
-        let Some(shape) = built else { return };
+        let Some(mut shape) = built else { return };
+        if let (Shape::TriangleMesh(mesh), true) = (&mut shape, self.needs_tangents.contains(&bsdf)) {
+            mesh.follow_tangents();
+        }
         if let Err(error) = self.builder.add_shape(shape, bsdf, radiance) {
             self.problems.error(self.location(id), error.to_string());
         }
