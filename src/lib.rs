@@ -5,5 +5,6 @@ pub mod bsdf;
 pub mod emitter;
 pub mod math;
 pub mod random;
+pub mod scene;
 pub mod shape;
 pub mod texture;

@@ -3,6 +3,7 @@
 //! The tracer says *that* a ray met a primitive; a shape says what is there. Rectangles and cubes are
 //! triangle meshes; spheres, disks and cylinders are exact.
 
+pub mod mesh;
 mod surface;
 mod triangle_mesh;
 

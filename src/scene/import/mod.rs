@@ -1,0 +1,3 @@
+//! Readers of scene and mesh files.
+
+pub mod mesh;

@@ -1,0 +1,3 @@
+//! Scenes: what is to be rendered, and how it is read from files.
+
+pub mod import;
