@@ -148,7 +148,10 @@ impl Cone {
 
 impl ShapeModel for Sphere {
     fn geometry(&self) -> Geometry {
-        Geometry::Sphere { centre: self.centre, radius: self.radius }
+        Geometry::Sphere {
+            centre: self.centre,
+            radius: self.radius,
+        }
     }
 
     #[inline]

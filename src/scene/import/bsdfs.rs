@@ -1,10 +1,14 @@
 //! Materials.
 
 use super::loader::Loader;
-use super::xml::{ColourSource, ColourUse, ElementId, ElementKind, ElementReader, NumberOrName, ScalarSource, did_you_mean};
+use super::xml::{
+    ColourSource, ColourUse, ElementId, ElementKind, ElementReader, NumberOrName, ScalarSource,
+    did_you_mean,
+};
 use crate::bsdf::{
     self, Bsdf, BsdfError, ComplexIor, Conductor, Dielectric, Diffuse, Mask, MicrofacetKind, Null,
-    Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic, Roughness, ThinDielectric, TwoSided,
+    Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic, Roughness, ThinDielectric,
+    TwoSided,
 };
 use crate::math::Rgb;
 use crate::scene::BsdfId;
@@ -55,7 +59,9 @@ impl Loader<'_> {
     fn build_bsdf(&mut self, id: ElementId) -> Bsdf {
         let mut reader = self.reader(id);
         let built = match reader.plugin() {
-            "diffuse" | "lambertian" => Ok(Diffuse::new(self.reflectance(&mut reader, "reflectance", 0.5)).into()),
+            "diffuse" | "lambertian" => {
+                Ok(Diffuse::new(self.reflectance(&mut reader, "reflectance", 0.5)).into())
+            }
             "twosided" => self.two_sided(&mut reader),
             "dielectric" => self.dielectric(&mut reader),
             "thindielectric" => self.thin_dielectric(&mut reader),
@@ -83,7 +89,11 @@ impl Loader<'_> {
             self.unknown_plugin(id, KNOWN, "the material inside of it is used instead");
             return self.build_bsdf(*nested);
         }
-        self.unknown_plugin(id, KNOWN, "a diffuse material of its colour is used instead");
+        self.unknown_plugin(
+            id,
+            KNOWN,
+            "a diffuse material of its colour is used instead",
+        );
         let diffuse = ["reflectance", "diffuse_reflectance", "base_color"];
         let specular = ["specular_reflectance"];
         let mut sum = Rgb::BLACK;
@@ -100,12 +110,21 @@ impl Loader<'_> {
             }
             found = true;
         }
-        Diffuse::new(if found { sum.clamp(0.0, 1.0) } else { Rgb::grey(0.5) }).into()
+        Diffuse::new(if found {
+            sum.clamp(0.0, 1.0)
+        } else {
+            Rgb::grey(0.5)
+        })
+        .into()
     }
 
     fn two_sided(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
         let nested = reader.children(ElementKind::Bsdf);
-        let mut sides = nested.iter().map(|id| self.build_bsdf(*id)).collect::<Vec<_>>().into_iter();
+        let mut sides = nested
+            .iter()
+            .map(|id| self.build_bsdf(*id))
+            .collect::<Vec<_>>()
+            .into_iter();
         let Some(front) = sides.next() else {
             reader.error("", "bsdf \"twosided\" holds no material");
             return Ok(Diffuse::new(0.5).into());
@@ -212,7 +231,10 @@ impl Loader<'_> {
         if given.is_some() || absorption.is_some() {
             let eta = given.unwrap_or(Rgb::BLACK);
             let k = absorption.unwrap_or(Rgb::WHITE);
-            return Some(ComplexIor { eta: eta / exterior, k: k / exterior });
+            return Some(ComplexIor {
+                eta: eta / exterior,
+                k: k / exterior,
+            });
         }
         let material = material.unwrap_or("Cu");
         if material.eq_ignore_ascii_case("none") {
@@ -223,7 +245,10 @@ impl Loader<'_> {
             reader.error("material", format!("unknown material \"{material}\"{hint}"));
             return None;
         };
-        Some(ComplexIor { eta: eta / exterior, k: k / exterior })
+        Some(ComplexIor {
+            eta: eta / exterior,
+            k: k / exterior,
+        })
     }
 
     fn distribution(&self, reader: &mut ElementReader<'_>) -> MicrofacetKind {
@@ -238,7 +263,10 @@ impl Loader<'_> {
         ];
         let kind = reader.choice("distribution", &kinds, MicrofacetKind::Beckmann);
         if matches!(reader.string("distribution", ""), "phong" | "as") {
-            reader.warning("distribution", "this distribution is not known; \"beckmann\" is used instead");
+            reader.warning(
+                "distribution",
+                "this distribution is not known; \"beckmann\" is used instead",
+            );
         }
         kind
     }
@@ -253,7 +281,11 @@ impl Loader<'_> {
             (along, across) => {
                 let other = || alpha.clone().unwrap_or_else(|| 0.1.into());
                 self.anisotropic = true;
-                Roughness::new(kind, along.unwrap_or_else(other), across.unwrap_or_else(other))
+                Roughness::new(
+                    kind,
+                    along.unwrap_or_else(other),
+                    across.unwrap_or_else(other),
+                )
             }
         }
     }
@@ -270,7 +302,8 @@ impl Loader<'_> {
     }
 
     fn scalar(&mut self, reader: &mut ElementReader<'_>, name: &str, default: f32) -> Texture {
-        self.optional_scalar(reader, name).unwrap_or_else(|| default.into())
+        self.optional_scalar(reader, name)
+            .unwrap_or_else(|| default.into())
     }
 
     fn optional_scalar(&mut self, reader: &mut ElementReader<'_>, name: &str) -> Option<Texture> {

@@ -24,11 +24,16 @@ impl Loader<'_> {
             }
             "envmap" => self.envmap(&mut reader),
             "area" => {
-                self.problems.error(self.location(id), "emitter \"area\" belongs into a shape");
+                self.problems
+                    .error(self.location(id), "emitter \"area\" belongs into a shape");
                 None
             }
             "sky" | "sun" | "sunsky" => {
-                self.unknown_plugin(id, KNOWN, "a constant environment of radiance 1 is used instead");
+                self.unknown_plugin(
+                    id,
+                    KNOWN,
+                    "a constant environment of radiance 1 is used instead",
+                );
                 self.builder.add_emitter(Constant::new(Rgb::WHITE));
                 return;
             }
@@ -63,13 +68,17 @@ impl Loader<'_> {
     fn point(&self, reader: &mut ElementReader<'_>) -> Point {
         let to_world = reader.transform("to_world");
         let place = reader.vector3("position").unwrap_or(Vec3::ZERO);
-        let intensity = reader.colour("intensity", ColourUse::Emission).unwrap_or(Rgb::WHITE);
+        let intensity = reader
+            .colour("intensity", ColourUse::Emission)
+            .unwrap_or(Rgb::WHITE);
         Point::new(to_world.point(place), intensity)
     }
 
     fn spot(&mut self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
         let to_world = reader.transform("to_world");
-        let intensity = reader.colour("intensity", ColourUse::Emission).unwrap_or(Rgb::WHITE);
+        let intensity = reader
+            .colour("intensity", ColourUse::Emission)
+            .unwrap_or(Rgb::WHITE);
         let cutoff = reader.float("cutoff_angle", 20.0);
         let beam = reader.float("beam_width", cutoff * 0.75);
         let texture = match reader.texture("texture", ColourUse::Reflectance) {
@@ -89,8 +98,12 @@ impl Loader<'_> {
     fn directional(&self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
         let to_world = reader.transform("to_world");
         let direction = reader.vector3("direction");
-        let irradiance = reader.colour("irradiance", ColourUse::Emission).unwrap_or(Rgb::WHITE);
-        let world = to_world.vector(direction.unwrap_or(Vec3::Z)).try_normalize();
+        let irradiance = reader
+            .colour("irradiance", ColourUse::Emission)
+            .unwrap_or(Rgb::WHITE);
+        let world = to_world
+            .vector(direction.unwrap_or(Vec3::Z))
+            .try_normalize();
         if world.is_none() {
             reader.error("direction", "\"direction\" has no length");
         }

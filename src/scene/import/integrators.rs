@@ -20,7 +20,9 @@ impl Loader<'_> {
         match element.plugin.as_str() {
             "aov" => {
                 let names = reader.string("aovs", "");
-                request.aovs.extend(names.split(',').map(|name| name.trim().to_owned()));
+                request
+                    .aovs
+                    .extend(names.split(',').map(|name| name.trim().to_owned()));
                 request.aovs.retain(|name| !name.is_empty());
             }
             "moment" => request.second_moment = true,
@@ -38,7 +40,9 @@ impl Loader<'_> {
                         _ => continue,
                     };
                     request.options.insert(name.clone(), value);
-                    request.option_locations.insert(name.clone(), property.location.clone());
+                    request
+                        .option_locations
+                        .insert(name.clone(), property.location.clone());
                 }
             }
         }

@@ -23,6 +23,8 @@ pub(super) struct Loader<'t> {
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
     /// The material of shapes that name none.
     pub(super) default_bsdf: Option<BsdfId>,
+    /// The emitters that stand inside shapes, or that shapes refer to.
+    pub(super) area_lights: HashSet<ElementId>,
     /// Whether the material under construction depends on the direction of the tangent, and those
     /// that do.
     pub(super) anisotropic: bool,
@@ -40,6 +42,7 @@ impl<'t> Loader<'t> {
             textures: HashMap::new(),
             serialized: HashMap::new(),
             default_bsdf: None,
+            area_lights: HashSet::new(),
             anisotropic: false,
             needs_tangents: HashSet::new(),
             hash: RefCell::new(Xxh3::new()),
@@ -98,6 +101,7 @@ impl<'t> Loader<'t> {
         let element = &self.tree[id];
         let hint = did_you_mean(&element.plugin, known);
         let message = format!("unknown {}{hint}", element.title());
-        self.problems.unsupported(&element.location, message, instead);
+        self.problems
+            .unsupported(&element.location, message, instead);
     }
 }

@@ -12,8 +12,16 @@ use crate::shape::mesh::MeshData;
 use crate::shape::{self, Cylinder, Disk, Shape, ShapeError, Sphere, TriangleMesh};
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 8] =
-    ["cube", "cylinder", "disk", "obj", "ply", "rectangle", "serialized", "sphere"];
+const KNOWN: [&str; 8] = [
+    "cube",
+    "cylinder",
+    "disk",
+    "obj",
+    "ply",
+    "rectangle",
+    "serialized",
+    "sphere",
+];
 
 impl Loader<'_> {
     /// Builds a shape with its material and light; what cannot be built is noted.
@@ -27,15 +35,19 @@ impl Loader<'_> {
             None => self.default_bsdf(),
         };
         if bsdfs.len() > 1 {
-            reader.warning("", "the shape holds several materials; the last one is used");
+            reader.warning(
+                "",
+                "the shape holds several materials; the last one is used",
+            );
         }
+        self.area_lights.extend(emitter);
         let radiance = emitter.and_then(|emitter| self.area_radiance(emitter));
         let built = match reader.plugin() {
             "sphere" => self.sphere(&mut reader),
             "disk" => self.disk(&mut reader),
             "cylinder" => self.cylinder(&mut reader),
-            "rectangle" => self.primitive(&mut reader, shape::rectangle()),
-            "cube" => self.primitive(&mut reader, shape::cube()),
+            "rectangle" => self.primitive(&mut reader, shape::primitives::rectangle()),
+            "cube" => self.primitive(&mut reader, shape::primitives::cube()),
             "obj" | "ply" | "serialized" => self.mesh_file(&mut reader),
             _ => {
                 self.unknown_plugin(id, KNOWN, "left out");
@@ -44,7 +56,8 @@ impl Loader<'_> {
         };
         reader.finish();
         let Some(mut shape) = built else { return };
-        if let (Shape::TriangleMesh(mesh), true) = (&mut shape, self.needs_tangents.contains(&bsdf)) {
+        if let (Shape::TriangleMesh(mesh), true) = (&mut shape, self.needs_tangents.contains(&bsdf))
+        {
             mesh.follow_tangents();
         }
         if let Err(error) = self.builder.add_shape(shape, bsdf, radiance) {
@@ -95,7 +108,9 @@ impl Loader<'_> {
 
     /// Notes why a shape's numbers make no shape.
     fn sound<T>(&self, reader: &ElementReader<'_>, built: Result<T, ShapeError>) -> Option<T> {
-        built.map_err(|error| reader.error("to_world", error.to_string())).ok()
+        built
+            .map_err(|error| reader.error("to_world", error.to_string()))
+            .ok()
     }
 
     fn primitive(&self, reader: &mut ElementReader<'_>, data: MeshData) -> Option<Shape> {
@@ -154,13 +169,16 @@ impl Loader<'_> {
         let note = |error: MeshError| reader.error("filename", error.to_string());
         if !self.serialized.contains_key(file) {
             let bytes = self.read_bytes(file, &reader.element().location);
-            let opened = bytes
-                .and_then(|bytes| SerializedFile::open(file, bytes).map_err(note).ok());
+            let opened =
+                bytes.and_then(|bytes| SerializedFile::open(file, bytes).map_err(note).ok());
             self.serialized.insert(file.to_owned(), opened);
         }
         let opened = self.serialized.get(file)?.as_ref()?;
         let Ok(index) = usize::try_from(index) else {
-            reader.error("shape_index", format!("\"shape_index\" is {index}, expected 0 or more"));
+            reader.error(
+                "shape_index",
+                format!("\"shape_index\" is {index}, expected 0 or more"),
+            );
             return None;
         };
         opened.mesh(index).map_err(note).ok()
@@ -181,8 +199,12 @@ impl Loader<'_> {
             reader.error("to_world", format!("after the transform, {flaw}"));
             return None;
         }
-        let normals = data.normals.map(|list| list.into_iter().map(Vec3::from_array).collect());
-        let uvs = data.uvs.map(|list| list.into_iter().map(Vec2::from_array).collect());
+        let normals = data
+            .normals
+            .map(|list| list.into_iter().map(Vec3::from_array).collect());
+        let uvs = data
+            .uvs
+            .map(|list| list.into_iter().map(Vec2::from_array).collect());
         let vertices = VertexBuffer::new(data.positions);
         let triangles = IndexBuffer::new(data.indices);
         Some(TriangleMesh::new(vertices, triangles, normals, uvs).into())

@@ -68,7 +68,9 @@ impl Loader<'_> {
     fn checkerboard(&self, reader: &mut ElementReader<'_>) -> Texture {
         let to_uv = self.to_uv(reader);
         let mut colour = |name, default| {
-            reader.colour(name, ColourUse::Reflectance).unwrap_or(Rgb::grey(default))
+            reader
+                .colour(name, ColourUse::Reflectance)
+                .unwrap_or(Rgb::grey(default))
         };
         let (first, second) = (colour("color0", 0.4), colour("color1", 0.2));
         Texture::Checkerboard(Checkerboard::new(first, second, to_uv))
@@ -94,7 +96,8 @@ impl Loader<'_> {
         match image::read_bitmap(file) {
             Ok(bitmap) => Some(bitmap),
             Err(error) => {
-                self.problems.unsupported(location, error.to_string(), "left out");
+                self.problems
+                    .unsupported(location, error.to_string(), "left out");
                 None
             }
         }

@@ -5,7 +5,7 @@ use super::loader::Loader;
 use super::xml::{ElementId, ElementKind, ElementReader};
 use crate::film::{Filter, FilterKind, Window};
 use crate::random::SamplerKind;
-use crate::sensor::{FieldOfViewAxis, FilmSize, Perspective, PerspectiveSettings};
+use crate::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings};
 
 /// What a film element says.
 struct Film {
@@ -71,7 +71,10 @@ impl Loader<'_> {
     fn film(&self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<Film> {
         let mut reader = self.reader(id);
         if !matches!(reader.plugin(), "hdrfilm" | "ldrfilm") {
-            let message = format!("unknown {}; \"hdrfilm\" is used instead", reader.element().title());
+            let message = format!(
+                "unknown {}; \"hdrfilm\" is used instead",
+                reader.element().title()
+            );
             self.problems.warning(self.location(id), message);
         }
         let width = reader.integer("width", DEFAULT_SIZE.0);
@@ -82,13 +85,22 @@ impl Loader<'_> {
             Some(filter) => self.filter(filter),
             None => Filter::new(FilterKind::Gaussian { stddev: 0.5 }),
         };
-        let alpha = [("rgb", false), ("rgba", true), ("luminance", false), ("luminance_alpha", true)];
-        let alpha = match reader.optional_string("pixel_format").map(str::to_lowercase) {
+        let alpha = [
+            ("rgb", false),
+            ("rgba", true),
+            ("luminance", false),
+            ("luminance_alpha", true),
+        ];
+        let alpha = match reader
+            .optional_string("pixel_format")
+            .map(str::to_lowercase)
+        {
             None => false,
             Some(format) => {
                 let known = alpha.iter().find(|(name, _)| *name == format);
                 if known.is_none() {
-                    let message = format!("unknown pixel format \"{format}\"; \"rgb\" is used instead");
+                    let message =
+                        format!("unknown pixel format \"{format}\"; \"rgb\" is used instead");
                     reader.warning("pixel_format", message);
                 }
                 known.is_some_and(|(_, alpha)| *alpha)
@@ -97,27 +109,49 @@ impl Loader<'_> {
         let half = reader.string("component_format", "float16").to_lowercase() == "float16";
         // How the file is written is asked on the command line.
         reader.ignore(&[
-            "file_format", "banner", "attach_log", "high_quality_edges", "gamma", "exposure",
-            "tonemap_method", "label", "compensate", "sample_border", "variable", "key", "burn",
+            "file_format",
+            "banner",
+            "attach_log",
+            "high_quality_edges",
+            "gamma",
+            "exposure",
+            "tonemap_method",
+            "label",
+            "compensate",
+            "sample_border",
+            "variable",
+            "key",
+            "burn",
         ]);
         reader.finish();
         let (size, window, filter) = (size?, window?, filter?);
-        Some(Film { size, window, filter, alpha, half })
+        Some(Film {
+            size,
+            window,
+            filter,
+            alpha,
+            half,
+        })
     }
 
     fn default_film(&self, film_size: Option<(u32, u32)>) -> Option<Film> {
         let size = film_size.unwrap_or((DEFAULT_SIZE.0 as u32, DEFAULT_SIZE.1 as u32));
         let filter = Filter::new(FilterKind::Gaussian { stddev: 0.5 })?;
         let window = Window::full(size.0, size.1);
-        Some(Film { size, window, filter, alpha: false, half: true })
+        Some(Film {
+            size,
+            window,
+            filter,
+            alpha: false,
+            half: true,
+        })
     }
 
     fn film_side(&self, reader: &ElementReader<'_>, width: i64, height: i64) -> Option<(u32, u32)> {
         let mut sound = true;
         for (name, side) in [("width", width), ("height", height)] {
             if !(1..=LARGEST_SIDE).contains(&side) {
-                let message =
-                    format!("\"{name}\" is {side}, expected 1 to {LARGEST_SIDE} pixels");
+                let message = format!("\"{name}\" is {side}, expected 1 to {LARGEST_SIDE} pixels");
                 reader.error(name, message);
                 sound = false;
             }
@@ -141,7 +175,10 @@ impl Loader<'_> {
         let cropped = x.or(y).or(crop_width).or(crop_height).is_some();
         if resized || !cropped {
             if cropped {
-                reader.warning("crop_width", "the crop window is ignored: the film has another size");
+                reader.warning(
+                    "crop_width",
+                    "the crop window is ignored: the film has another size",
+                );
             }
             return Some(Window::full(width, height));
         }
@@ -149,7 +186,11 @@ impl Loader<'_> {
         let crop_width = crop_width.unwrap_or(i64::from(width) - x);
         let crop_height = crop_height.unwrap_or(i64::from(height) - y);
         let fits = |start: i64, length: i64, side: u32| {
-            start >= 0 && length > 0 && start.checked_add(length).is_some_and(|e| e <= i64::from(side))
+            start >= 0
+                && length > 0
+                && start
+                    .checked_add(length)
+                    .is_some_and(|e| e <= i64::from(side))
         };
         if !(fits(x, crop_width, width) && fits(y, crop_height, height)) {
             let message = format!(
@@ -170,15 +211,23 @@ impl Loader<'_> {
     fn filter(&self, id: ElementId) -> Option<Filter> {
         let mut reader = self.reader(id);
         let kind = match reader.plugin() {
-            "box" => FilterKind::Box { radius: reader.float("radius", 0.5) },
-            "tent" => FilterKind::Tent { radius: reader.float("radius", 1.0) },
-            "gaussian" => FilterKind::Gaussian { stddev: reader.float("stddev", 0.5) },
+            "box" => FilterKind::Box {
+                radius: reader.float("radius", 0.5),
+            },
+            "tent" => FilterKind::Tent {
+                radius: reader.float("radius", 1.0),
+            },
+            "gaussian" => FilterKind::Gaussian {
+                stddev: reader.float("stddev", 0.5),
+            },
             "mitchell" => FilterKind::Mitchell {
                 b: reader.float("b", 1.0 / 3.0),
                 c: reader.float("c", 1.0 / 3.0),
             },
             "catmullrom" => FilterKind::CatmullRom,
-            "lanczos" => FilterKind::Lanczos { lobes: reader.float("lobes", 3.0) },
+            "lanczos" => FilterKind::Lanczos {
+                lobes: reader.float("lobes", 3.0),
+            },
             _ => {
                 let title = reader.element().title();
                 let message = format!("unknown {title}; \"gaussian\" is used instead");
@@ -189,7 +238,10 @@ impl Loader<'_> {
         let filter = Filter::new(kind);
         if filter.is_none() {
             let title = reader.element().title();
-            self.problems.error(self.location(id), format!("{title} weighs nothing, or too much"));
+            self.problems.error(
+                self.location(id),
+                format!("{title} weighs nothing, or too much"),
+            );
         }
         reader.finish();
         filter
@@ -210,7 +262,10 @@ impl Loader<'_> {
         };
         let count = reader.integer("sample_count", 4);
         if !(1..=i64::from(u32::MAX)).contains(&count) {
-            reader.error("sample_count", format!("\"sample_count\" is {count}, expected 1 or more"));
+            reader.error(
+                "sample_count",
+                format!("\"sample_count\" is {count}, expected 1 or more"),
+            );
         }
         // Seeds come from the command line; the rest has no counterpart here.
         reader.ignore(&["seed", "dimension", "scramble", "jitter"]);
@@ -230,7 +285,18 @@ impl Loader<'_> {
             ("smaller", FieldOfViewAxis::Smaller),
             ("larger", FieldOfViewAxis::Larger),
         ];
-        let _ = (axes, film, reader);
-        todo!()
+        let axis = reader.choice("fov_axis", &axes, FieldOfViewAxis::X);
+        let focal_length = reader.optional_string("focal_length");
+        let fov = reader.optional_float("fov");
+        let _ = focal_length;
+        PerspectiveSettings {
+            to_world: reader.transform("to_world").matrix(),
+            fov: fov.unwrap_or(50.0),
+            axis,
+            near: reader.float("near_clip", 0.01),
+            far: reader.float("far_clip", 10000.0),
+            principal_point: crate::math::Vec2::ZERO,
+            film_size: film.map_or((1, 1), |f| f.size),
+        }
     }
 }
