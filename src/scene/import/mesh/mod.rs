@@ -41,7 +41,7 @@ impl ImportedMesh {
         let computed = data.repair_normals();
         if computed > 0 {
             warnings.push(format!(
-                "{computed} missing or zero vertex normals were computed"
+                "vertex normals missing or zero, computed: {computed}"
             ));
         }
         data.validate().map_err(MeshProblem::Flawed)?;

@@ -150,8 +150,8 @@ fn short_faces_and_trailing_bytes_give_a_warning() {
     assert_eq!(
         mesh.warnings,
         [
-            "2 faces of less than 3 corners ignored",
-            "5 bytes after the last element ignored"
+            "faces of less than 3 corners, ignored: 2",
+            "bytes after the last element, ignored: 5"
         ]
     );
 }
@@ -171,7 +171,7 @@ fn zero_normals_are_computed() {
     );
     assert_eq!(
         mesh.warnings,
-        ["2 missing or zero vertex normals were computed"]
+        ["vertex normals missing or zero, computed: 2"]
     );
 }
 

@@ -127,7 +127,7 @@ fn every_flag_is_heeded_in_both_precisions() {
         assert_eq!(mesh.name.as_deref(), Some("caf\u{FFFD}"));
         assert_eq!(
             mesh.warnings,
-            ["1 missing or zero vertex normals were computed"]
+            ["vertex normals missing or zero, computed: 1"]
         );
     }
 }
