@@ -2,8 +2,9 @@
 
 use super::View;
 use super::loader::Loader;
-use super::xml::{ElementId, ElementKind, ElementReader};
+use super::xml::{ElementId, ElementKind, ElementReader, NumberOrName};
 use crate::film::{Filter, FilterKind, Window};
+use crate::math::Vec2;
 use crate::random::SamplerKind;
 use crate::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings};
 
@@ -286,17 +287,47 @@ impl Loader<'_> {
             ("larger", FieldOfViewAxis::Larger),
         ];
         let axis = reader.choice("fov_axis", &axes, FieldOfViewAxis::X);
-        let focal_length = reader.optional_string("focal_length");
-        let fov = reader.optional_float("fov");
-        let _ = focal_length;
+        let field_of_view = reader.optional_float("fov");
+        let (field_of_view, axis) = match self.focal_length(reader) {
+            Some(of_lens) if field_of_view.is_none() => (of_lens, FieldOfViewAxis::Diagonal),
+            Some(_) => {
+                reader.warning("focal_length", "\"fov\" is given, too, and is used instead");
+                (field_of_view.unwrap_or(50.0), axis)
+            }
+            None => (field_of_view.unwrap_or(50.0), axis),
+        };
+        let offset_x = reader.float("principal_point_offset_x", 0.0);
+        let offset_y = reader.float("principal_point_offset_y", 0.0);
+        // A pinhole has everything in focus, and no shutter.
+        reader.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
         PerspectiveSettings {
             to_world: reader.transform("to_world").matrix(),
-            fov: fov.unwrap_or(50.0),
+            field_of_view,
             axis,
             near: reader.float("near_clip", 0.01),
-            far: reader.float("far_clip", 10000.0),
-            principal_point: crate::math::Vec2::ZERO,
-            film_size: film.map_or((1, 1), |f| f.size),
+            far: reader.float("far_clip", 1e4),
+            principal_point_offset: Vec2::new(offset_x, offset_y),
+            film_size: film.map_or((1, 1), |film| film.size),
+        }
+    }
+
+    /// Field of view, from corner to corner, of a lens such as "50mm".
+    fn focal_length(&self, reader: &mut ElementReader<'_>) -> Option<f32> {
+        let text = match reader.number_or_name("focal_length")? {
+            NumberOrName::Number(number) => number.to_string(),
+            NumberOrName::Name(text) => text.to_owned(),
+        };
+        let number = text.trim().trim_end_matches("mm").trim().parse::<f32>();
+        match number {
+            Ok(length) if length > 0.0 => {
+                Some(PerspectiveSettings::field_of_view_of_focal_length(length))
+            }
+            _ => {
+                let message =
+                    format!("\"focal_length\" is \"{text}\", expected a length such as \"50mm\"");
+                reader.error("focal_length", message);
+                None
+            }
         }
     }
 }
