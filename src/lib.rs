@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod bsdf;
 pub mod emitter;
+pub mod image;
 pub mod math;
 pub mod random;
 pub mod scene;

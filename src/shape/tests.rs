@@ -88,11 +88,13 @@ fn crossings(shape: &Shape, from: Vec3, direction: Vec3) -> Vec<SurfacePoint> {
     };
     match shape {
         Shape::Sphere(s) => {
-            let o = from - s.centre();
+            // In f64: seen from afar, a sphere is lost in the rounding of f32.
+            let (o, d) = ((from - s.centre()).as_dvec3(), direction.as_dvec3());
+            let radius = f64::from(s.radius());
             ahead(roots(
-                1.0,
-                o.dot(direction),
-                o.length_squared() - s.radius() * s.radius(),
+                d.length_squared(),
+                o.dot(d),
+                o.length_squared() - radius * radius,
             ))
         }
         Shape::Disk(d) => {
@@ -103,7 +105,7 @@ fn crossings(shape: &Shape, from: Vec3, direction: Vec3) -> Vec<SurfacePoint> {
         }
         Shape::Cylinder(c) => {
             let (o, d) = to_object(c.to_world());
-            let (o2, d2) = (o.truncate(), d.truncate());
+            let (o2, d2) = (o.truncate().as_dvec2(), d.truncate().as_dvec2());
             let ts = roots(d2.length_squared(), o2.dot(d2), o2.length_squared() - 1.0);
             let on_wall = |t: &f32| (0.0..=1.0).contains(&(o.z + d.z * t));
             ahead(ts.into_iter().filter(on_wall).collect())
@@ -118,13 +120,15 @@ fn crossings(shape: &Shape, from: Vec3, direction: Vec3) -> Vec<SurfacePoint> {
 }
 
 /// Roots of a·t² + 2·b·t + c.
-fn roots(a: f32, b: f32, c: f32) -> Vec<f32> {
+fn roots(a: f64, b: f64, c: f64) -> Vec<f32> {
     let discriminant = b * b - a * c;
     if discriminant <= 0.0 {
         return vec![];
     }
     let root = discriminant.sqrt();
-    vec![(-b - root) / a, (-b + root) / a]
+    [(-b - root) / a, (-b + root) / a]
+        .map(|t| t as f32)
+        .to_vec()
 }
 
 fn triangle_crossing(
@@ -161,18 +165,36 @@ const CELLS: usize = 16;
 const SUB_CELLS: usize = 24;
 
 impl View {
-    fn new(from: Vec3, target: Vec3, one_minus_cos: f32) -> Self {
-        let frame = Frame::around((target - from).normalize());
+    /// The cone in which `from` sees all of `shape`.
+    fn new(from: Vec3, shape: &Shape) -> Self {
+        let mut stream = stream(4);
+        let points: Vec<Vec3> = (0..2000)
+            .map(|_| shape.sample_area(pair(&mut stream)).0.position)
+            .collect();
+        let centre = points.iter().sum::<Vec3>() / points.len() as f32;
+        let axis = (centre - from).normalize();
+        let one_minus_cos = |p: &Vec3| {
+            let direction = (*p - from).normalize();
+            // Exact for narrow cones, too.
+            let half = (direction - axis).length_squared() / 2.0;
+            half * 1.1
+        };
+        let opening = points.iter().map(one_minus_cos).fold(0.0, f32::max);
         Self {
             from,
-            frame,
-            one_minus_cos,
+            frame: Frame::around(axis),
+            one_minus_cos: opening.min(2.0),
         }
     }
 
-    /// χ² of a sampler's directions against a density of directions, given as the sum over all
-    /// crossings times `fault` of the crossing.
-    fn p_value(&self, shape: &Shape, count: u32, fault: impl Fn(&SurfacePoint) -> f64) -> f64 {
+    /// Counts of a sampler's directions in cells, and what the density expects: the sum over all
+    /// crossings of a direction, each times `fault` of it. The last cell is outside of the view.
+    fn histogram(
+        &self,
+        shape: &Shape,
+        fault: impl Fn(&SurfacePoint) -> f64,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let count = 20_000;
         let mut observed = vec![0.0; CELLS * CELLS + 1];
         let mut stream = stream(0);
         for _ in 0..count {
@@ -194,15 +216,7 @@ impl View {
             expected[(i / SUB_CELLS) * CELLS + j / SUB_CELLS] += density * weight;
         }
         expected[CELLS * CELLS] = f64::from(count) - expected.iter().sum::<f64>();
-        // Quadrature at silhouettes leaves less than this outside.
-        assert!(
-            expected[CELLS * CELLS].abs() < 0.004 * f64::from(count),
-            "densities sum to 1 − {}",
-            expected[CELLS * CELLS] / f64::from(count)
-        );
-        expected.pop();
-        assert!(observed.pop().unwrap() < 0.004 * f64::from(count));
-        chi_square_p(&observed, &expected).unwrap()
+        (observed, expected)
     }
 
     fn cell(&self, point: &SurfacePoint) -> usize {
@@ -217,30 +231,31 @@ impl View {
 }
 
 fn views(shape: &Shape) -> Vec<View> {
-    let target = shape.sample_area(Vec2::splat(0.5)).0.position;
-    let mut views = vec![
-        View::new(Vec3::new(0.1, 0.2, -1.2), target, 0.6),
-        View::new(Vec3::new(-2.0, 1.0, 0.5), target, 0.6),
-    ];
+    let mut from = vec![Vec3::new(0.1, 0.2, -1.2), Vec3::new(-2.0, 1.0, 0.5)];
     if let Shape::Sphere(s) = shape {
-        let toward = |offset: Vec3, opening| View::new(s.centre() + offset, s.centre(), opening);
         let off_axis = Vec3::new(0.6, 0.0, 0.8) * s.radius();
-        views.push(toward(off_axis * 0.5, 2.0));
-        views.push(toward(off_axis * 1.05, 1.0));
-        views.push(toward(off_axis * 1000.0, 6e-7));
+        from.extend([0.5, 1.05, 1000.0].map(|factor| s.centre() + off_axis * factor));
     }
     if let Shape::Cylinder(_) = shape {
-        views.push(View::new(Vec3::new(0.1, 0.15, 1.9), target, 2.0));
+        from.push(Vec3::new(0.1, 0.15, 1.9));
     }
-    views
+    from.into_iter().map(|p| View::new(p, shape)).collect()
 }
 
 #[test]
 fn directions_follow_their_density() {
     for shape in examples() {
         for view in views(&shape) {
-            let p = view.p_value(&shape, 20_000, |_| 1.0);
-            assert!(p > LEVEL, "p = {p} from {} to {shape:?}", view.from);
+            let (mut observed, mut expected) = view.histogram(&shape, |_| 1.0);
+            // At silhouettes the density has poles, where quadrature errs by less than this.
+            let outside = expected.pop().unwrap().abs() + observed.pop().unwrap();
+            let from = view.from;
+            assert!(
+                outside < 250.0,
+                "{outside} outside from {from} to {shape:?}"
+            );
+            let p = chi_square_p(&observed, &expected).unwrap();
+            assert!(p > LEVEL, "p = {p} from {from} to {shape:?}");
         }
     }
 }
@@ -248,11 +263,11 @@ fn directions_follow_their_density() {
 #[test]
 fn a_density_that_is_wrong_on_one_half_is_caught() {
     for shape in examples() {
-        let view = &views(&shape)[0];
         let middle = shape.sample_area(Vec2::splat(0.5)).0.position.x;
-        let p = view.p_value(&shape, 20_000, |point| {
-            if point.position.x > middle { 1.1 } else { 0.9 }
-        });
+        let fault = |p: &SurfacePoint| if p.position.x > middle { 1.1 } else { 0.9 };
+        let (observed, expected) = views(&shape)[0].histogram(&shape, fault);
+        let cells = CELLS * CELLS;
+        let p = chi_square_p(&observed[..cells], &expected[..cells]).unwrap();
         assert!(p < 1e-6, "p = {p} for {shape:?}");
     }
 }
