@@ -7,5 +7,6 @@ pub mod image;
 pub mod math;
 pub mod random;
 pub mod scene;
+pub mod sensor;
 pub mod shape;
 pub mod texture;

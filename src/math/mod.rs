@@ -10,7 +10,7 @@ mod rgb;
 pub mod statistics;
 pub mod warp;
 
-pub use frame::{Frame, Local};
+pub use frame::{Frame, Local, rotation_part};
 pub use measure::{AreaDensity, SolidAngleDensity};
 pub use rgb::Rgb;
 
