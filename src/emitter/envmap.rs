@@ -100,6 +100,12 @@ impl EmitterModel for Envmap {
     }
 
     #[inline]
+    fn influence(&self, _from: Vec3) -> f32 {
+        // A quarter of the sphere's integral: the mean over all ways that a surface can face.
+        0.25 * self.map.integral as f32 * self.scale
+    }
+
+    #[inline]
     fn environment_radiance(&self, toward: Vec3) -> Rgb {
         let place = self.map.place(self.axes.transpose() * toward);
         self.map.radiance(&place) * self.scale
