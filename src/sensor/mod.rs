@@ -2,8 +2,8 @@
 //!
 //! Raster coordinates are pixels on the full film, x to the right and y downwards from the upper
 //! left corner; a crop is a part of that film. A pixel's value is ∫ h(r) L(r) dr over raster
-//! positions r, with a filter h that integrates to one and pixels as the unit of area: so W_e is
-//! h(r) times [`SensorModel::importance`].
+//! positions r, with a filter h that integrates to one and pixels as the unit of area: so `W_e`
+//! is h(r) times [`SensorModel::importance`].
 
 mod perspective;
 
@@ -64,7 +64,7 @@ pub trait SensorModel {
     /// Zero behind the camera.
     fn raster_density(&self, direction: Vec3) -> f64;
 
-    /// Importance W_e that the camera sends in a unit direction, for a filter that is one there:
+    /// Importance `W_e` that the camera sends in a unit direction where the filter is one:
     /// [`SensorModel::raster_density`] per projected solid angle, in pixels/sr. Zero behind.
     ///
     /// Source: van Antwerpen 2011, Eqs. 3.14 to 3.16.
