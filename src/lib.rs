@@ -3,8 +3,11 @@
 pub mod accel;
 pub mod bsdf;
 pub mod emitter;
+pub mod film;
 pub mod image;
+pub mod integrator;
 pub mod math;
+pub mod path;
 pub mod random;
 pub mod scene;
 pub mod sensor;

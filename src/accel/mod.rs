@@ -1,35 +1,29 @@
-//! Rays against geometry.
+//! Rays against geometry: the only module that speaks to the tracer.
 
-use std::sync::Arc;
+mod embree;
+mod ray;
 
-/// Vertex positions that the tracer shares.
+pub use embree::{Accel, AccelError, prepare_worker, versions};
+pub use embree4_sys::{Hit, IndexBuffer, VertexBuffer};
+pub use ray::Ray;
+
+use crate::math::Vec3;
+
+/// What a tracer can be given.
 #[derive(Clone, Debug)]
-pub struct VertexBuffer(Arc<Vec<[f32; 3]>>);
-
-impl VertexBuffer {
-    /// Takes the positions.
-    pub fn new(positions: Vec<[f32; 3]>) -> Self {
-        Self(Arc::new(positions))
-    }
-
-    /// The positions.
-    pub fn as_slice(&self) -> &[[f32; 3]] {
-        &self.0
-    }
-}
-
-/// Vertex indices of triangles that the tracer shares.
-#[derive(Clone, Debug)]
-pub struct IndexBuffer(Arc<Vec<[u32; 3]>>);
-
-impl IndexBuffer {
-    /// Takes the indices.
-    pub fn new(indices: Vec<[u32; 3]>) -> Self {
-        Self(Arc::new(indices))
-    }
-
-    /// The indices.
-    pub fn as_slice(&self) -> &[[u32; 3]] {
-        &self.0
-    }
+pub enum Geometry {
+    /// Triangles; the buffers are shared with the tracer, not copied.
+    Triangles(VertexBuffer, IndexBuffer),
+    /// An exact sphere.
+    Sphere {
+        /// Centre in world space.
+        centre: Vec3,
+        /// Radius in m, positive.
+        radius: f32,
+    },
+    /// The image of the unit disk at `z = 0` under an affine map, given by its rows.
+    Disk([[f32; 4]; 3]),
+    /// The image of the open cylinder of radius 1 from `z = 0` to `z = 1` under an affine map, given
+    /// by its rows.
+    Cylinder([[f32; 4]; 3]),
 }

@@ -3,15 +3,22 @@
 //! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32): geometry is single precision, products along a
 //! path and sums are `f64`.
 
+mod cie;
 pub mod distribution;
 mod frame;
 mod measure;
 mod rgb;
+mod spectrum;
+mod srgb;
 pub mod statistics;
+mod transform;
 pub mod warp;
 
 pub use frame::{Frame, Local, rotation_part};
 pub use measure::{AreaDensity, SolidAngleDensity};
 pub use rgb::Rgb;
+pub use spectrum::{SpectralCurve, SpectralCurveError, blackbody, equal_energy_white};
+pub use srgb::srgb_to_linear;
+pub use transform::{Transform, TransformError};
 
 pub use glam::{Mat3, Mat4, Vec2, Vec3};

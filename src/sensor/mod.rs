@@ -1,80 +1,60 @@
-//! Cameras.
-//!
-//! Raster coordinates are pixels on the full film, x to the right and y downwards from the upper
-//! left corner; a crop is a part of that film. A pixel's value is ∫ h(r) L(r) dr over raster
-//! positions r, with a filter h that integrates to one and pixels as the unit of area: so `W_e`
-//! is h(r) times [`SensorModel::importance`].
+//! Sensors: which rays a pixel looks along.
 
 mod perspective;
 
-pub use perspective::{FieldOfView, FovAxis, Perspective, PerspectiveOptions};
+pub use perspective::{FieldOfViewAxis, Perspective, PerspectiveSettings, SensorError};
 
-use thiserror::Error;
-
+use crate::accel::Ray;
 use crate::math::{Vec2, Vec3};
 
-/// A ray that leaves the camera.
+/// A ray that a sensor looks along, limited to what lies between its clip planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
-    /// Point on the lens.
+    /// Where the ray starts: a point of the lens, in world space.
     pub origin: Vec3,
-    /// Unit direction.
+    /// Unit direction in world space.
     pub direction: Vec3,
-    /// Distance along the ray from which on surfaces are seen.
+    /// Nearest distance that is seen, in m.
     pub near: f32,
-    /// Distance along the ray up to which surfaces are seen.
+    /// Farthest distance that is seen, in m.
     pub far: f32,
 }
 
-/// Why numbers do not describe a camera.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SensorError {
-    /// The camera-to-world transform has no inverse, or holds numbers that are not finite.
-    #[error("the camera's transform flattens space or is not finite")]
-    Singular,
-    /// The field of view, or the focal length, opens no angle between 0 and 180 degrees.
-    #[error("the field of view must lie between 0 and 180 degrees, a focal length above 0")]
-    BadFieldOfView,
-    /// Clipping planes are not positive, or out of order.
-    #[error("the clipping distances must be positive, the near one below the far one")]
-    BadClip,
-    /// The film has no pixels.
-    #[error("the film has no pixels")]
-    NoPixels,
-    /// The principal point is not finite.
-    #[error("the principal point is not finite")]
-    BadPrincipalPoint,
+impl CameraRay {
+    /// The ray that the tracer follows.
+    #[inline]
+    pub fn to_ray(&self) -> Ray {
+        Ray::new(self.origin, self.direction).between(self.near, self.far)
+    }
 }
 
-/// What a camera can answer.
+/// What a sensor can answer.
+///
+/// Raster coordinates count pixels of the *full* film, `x` to the right and `y` down, whatever part
+/// of it is rendered; they may lie outside of the film.
 pub trait SensorModel {
-    /// The ray through a raster position.
+    /// The ray of a raster position.
     ///
-    /// - `raster`: in pixels on the full film; may lie outside of it, as far as a filter reaches.
-    /// - `u_lens`: uniform in the unit square; cameras without a lens ignore it.
+    /// - `u_lens`: uniform in the unit square; chooses the point on the lens, where there is one.
     fn sample_ray(&self, raster: Vec2, u_lens: Vec2) -> CameraRay;
 
-    /// The raster position at which a world-space point is seen, on the film or outside of it;
-    /// `None` for points that are behind the camera or cut off by a clipping plane.
+    /// Raster position at which a point of space is seen from the middle of the lens; `None` behind
+    /// the sensor.
     fn project(&self, point: Vec3) -> Option<Vec2>;
 
-    /// Raster area, in pixels, that one steradian around a unit direction from the camera covers:
-    /// the density in solid angle of directions that are uniform in raster positions, per pixel.
-    /// Zero behind the camera.
-    fn raster_density(&self, direction: Vec3) -> f64;
-
-    /// Importance `W_e` that the camera sends in a unit direction where the filter is one:
-    /// [`SensorModel::raster_density`] per projected solid angle, in pixels/sr. Zero behind.
+    /// Number of pixels for each steradian around a unit direction: the density of directions when
+    /// the raster position is uniform with density one. Zero behind the sensor.
+    ///
+    /// It is `1 / (A cos³ θ)` with `A` the area of a pixel on the plane at distance one.
     ///
     /// Source: van Antwerpen 2011, Eqs. 3.14 to 3.16.
-    fn importance(&self, direction: Vec3) -> f64;
+    fn pixels_per_steradian(&self, direction: Vec3) -> f32;
 }
 
-/// Writes the enum of all cameras and forwards [`SensorModel`] to its variants.
+/// Writes the enum of all sensors and forwards [`SensorModel`] to its variants.
 macro_rules! sensor_models {
     ($($(#[$doc:meta])* $model:ident,)*) => {
-        /// Any camera.
+        /// Any sensor.
         #[derive(Clone, Debug)]
         pub enum Sensor {
             $($(#[$doc])* $model($model),)*
@@ -96,18 +76,14 @@ macro_rules! sensor_models {
                 match self { $(Self::$model(s) => s.project(point),)* }
             }
             #[inline]
-            fn raster_density(&self, direction: Vec3) -> f64 {
-                match self { $(Self::$model(s) => s.raster_density(direction),)* }
-            }
-            #[inline]
-            fn importance(&self, direction: Vec3) -> f64 {
-                match self { $(Self::$model(s) => s.importance(direction),)* }
+            fn pixels_per_steradian(&self, direction: Vec3) -> f32 {
+                match self { $(Self::$model(s) => s.pixels_per_steradian(direction),)* }
             }
         }
     };
 }
 
 sensor_models! {
-    /// A pinhole.
+    /// A pinhole camera.
     Perspective,
 }

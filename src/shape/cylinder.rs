@@ -4,6 +4,7 @@ use std::f32::consts::TAU;
 
 use super::affine::{axes_and_origin, check_circular, check_perpendicular, rows};
 use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint};
+use crate::accel::Geometry;
 use crate::math::{AreaDensity, Frame, Mat4, Vec2, Vec3, warp};
 
 /// An exact circular cylinder without caps.
@@ -96,6 +97,10 @@ impl Cylinder {
 }
 
 impl ShapeModel for Cylinder {
+    fn geometry(&self) -> Geometry {
+        Geometry::Cylinder(self.to_world())
+    }
+
     #[inline]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         let offset = hit.position - self.base;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::affine::{axes_and_origin, rows};
 use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint};
+use crate::accel::Geometry;
 use crate::math::{AreaDensity, Frame, Mat4, Vec2, Vec3, warp};
 
 /// An exact disk, or the ellipse that a transform makes of it.
@@ -91,6 +92,10 @@ impl Disk {
 }
 
 impl ShapeModel for Disk {
+    fn geometry(&self) -> Geometry {
+        Geometry::Disk(self.to_world())
+    }
+
     #[inline]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         let offset = hit.position - self.centre;

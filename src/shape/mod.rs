@@ -25,6 +25,7 @@ pub use triangle_mesh::TriangleMesh;
 
 use thiserror::Error;
 
+use crate::accel::Geometry;
 use crate::math::{AreaDensity, SolidAngleDensity, Vec2, Vec3};
 
 /// Why numbers do not describe an exact shape.
@@ -58,6 +59,14 @@ pub struct ShapeHit {
 
 /// What a shape can answer.
 pub trait ShapeModel {
+    /// What the tracer is given.
+    fn geometry(&self) -> Geometry;
+
+    /// Prepares [`ShapeModel::sample_area`]; false when there is no area to sample.
+    fn prepare_sampling(&mut self) -> bool {
+        self.area() > 0.0
+    }
+
     /// Everything about the point that a ray met.
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint;
 
@@ -111,6 +120,12 @@ macro_rules! shape_models {
         })*
 
         impl ShapeModel for Shape {
+            fn geometry(&self) -> Geometry {
+                match self { $(Self::$model(s) => s.geometry(),)* }
+            }
+            fn prepare_sampling(&mut self) -> bool {
+                match self { $(Self::$model(s) => s.prepare_sampling(),)* }
+            }
             #[inline]
             fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
                 match self { $(Self::$model(s) => s.surface_at(hit),)* }

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::affine::{axes_and_origin, check_circular};
 use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint, as_direction};
+use crate::accel::Geometry;
 use crate::math::{AreaDensity, Frame, Mat3, Mat4, SolidAngleDensity, Vec2, Vec3, warp};
 
 /// An exact sphere.
@@ -146,6 +147,13 @@ impl Cone {
 }
 
 impl ShapeModel for Sphere {
+    fn geometry(&self) -> Geometry {
+        Geometry::Sphere {
+            centre: self.centre,
+            radius: self.radius,
+        }
+    }
+
     #[inline]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point((hit.position - self.centre).normalize_or(Vec3::Z))

@@ -2,7 +2,7 @@
 
 use super::mesh::MeshData;
 use super::{ShapeHit, ShapeModel, SurfacePoint};
-use crate::accel::{IndexBuffer, VertexBuffer};
+use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
 use crate::math::{AreaDensity, Frame, Vec2, Vec3, warp};
 
@@ -55,13 +55,6 @@ impl TriangleMesh {
         &self.triangles
     }
 
-    /// Prepares [`ShapeModel::sample_area`]; false when the mesh has no area to sample.
-    pub fn prepare_sampling(&mut self) -> bool {
-        let areas: Vec<f64> = self.triangle_areas().collect();
-        self.by_area = Discrete::new(&areas);
-        self.by_area.is_some()
-    }
-
     /// Makes shading frames follow the texture coordinates, as anisotropic materials need.
     pub fn follow_tangents(&mut self) {
         self.tangents = true;
@@ -90,12 +83,12 @@ impl TriangleMesh {
         let (to_b, to_c) = (b - a, c - a);
         let position = a + to_b * b1 + to_c * b2;
         let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let mut geometric_normal = to_b.cross(to_c).normalize_or(Vec3::Z);
+        let mut geometric_normal = unit_or(to_b.cross(to_c), Vec3::Z);
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
             let [na, nb, nc] = triangle.map(|i| normals[i as usize]);
             let interpolated = na * (1.0 - b1 - b2) + nb * b1 + nc * b2;
-            shading_normal = interpolated.normalize_or(geometric_normal);
+            shading_normal = unit_or(interpolated, geometric_normal);
             // The file's normals say which side is the front, whatever the winding.
             if shading_normal.dot(geometric_normal) < 0.0 {
                 geometric_normal = -geometric_normal;
@@ -153,6 +146,16 @@ fn vectors(arrays: Vec<[f32; 3]>) -> Vec<Vec3> {
 }
 
 impl ShapeModel for TriangleMesh {
+    fn geometry(&self) -> Geometry {
+        Geometry::Triangles(self.vertices.clone(), self.triangles.clone())
+    }
+
+    fn prepare_sampling(&mut self) -> bool {
+        let areas: Vec<f64> = self.triangle_areas().collect();
+        self.by_area = Discrete::new(&areas);
+        self.by_area.is_some()
+    }
+
     #[inline]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point(hit.primitive, hit.barycentrics)
@@ -170,5 +173,16 @@ impl ShapeModel for TriangleMesh {
         };
         let point = self.point(primitive, warp::uniform_triangle(u));
         (point, AreaDensity((1.0 / self.area) as f32))
+    }
+}
+
+/// A vector scaled to unit length; `fallback` where it has none.
+#[inline]
+fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
+    let length_squared = vector.length_squared();
+    if length_squared > 0.0 {
+        vector / length_squared.sqrt()
+    } else {
+        fallback
     }
 }

@@ -1,0 +1,247 @@
+//! A scene that is built and can be traced.
+//!
+//! One foreign call per ray, no allocation; the only check is that no number of the ray is broken.
+
+use std::mem::offset_of;
+
+use crate::bindings;
+use crate::buffers::VertexBuffer;
+use crate::builder::Kept;
+use crate::device::Device;
+
+// The C compiler asserts the same numbers in csrc/shim.c: bindgen's parser and the compiler that
+// built the shim agree on what crosses the border.
+const _: () = {
+    assert!(size_of::<bindings::RTCRay>() == 48, "RTCRay has 48 bytes");
+    assert!(
+        align_of::<bindings::RTCRayHit>() == 16,
+        "Embree reads rays by aligned loads"
+    );
+    assert!(
+        offset_of!(bindings::RTCRay, tfar) == 32,
+        "RTCRay.tfar is at byte 32"
+    );
+    assert!(
+        offset_of!(bindings::RTCHit, geomID) == 24,
+        "RTCHit.geomID is at byte 24"
+    );
+    assert!(
+        offset_of!(bindings::RTCHit, instID) == 28,
+        "RTCHit.instID is at byte 28"
+    );
+    let hit = size_of::<bindings::RTCHit>();
+    assert!(
+        hit == 32 || hit == 48,
+        "RTCHit has 32 bytes, or 48 with instance arrays"
+    );
+    assert!(
+        size_of::<bindings::RTCRayHit>() == 48 + hit,
+        "no gap between ray and hit"
+    );
+    assert!(
+        size_of::<bindings::ShimShape>() == 24 + 13 * 8,
+        "ShimShape has no padding"
+    );
+};
+
+/// `RTC_INVALID_GEOMETRY_ID`, which bindgen cannot evaluate; `csrc/shim.c` asserts the value.
+pub(crate) const INVALID_ID: u32 = u32::MAX;
+
+/// A piece of a straight line.
+///
+/// Both ends of the interval belong to it, except that triangles in scenes built without
+/// [`crate::BuildOptions::robust`] are not hit at `near` itself. A ray with a number that is broken
+/// (not-a-number, infinite other than `far`, coordinates beyond [`VertexBuffer::LARGEST`], negative
+/// `near`) or with `near` above `far` misses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where distances are counted from, in scene units.
+    pub origin: [f32; 3],
+    /// Any length; distances count in multiples of it.
+    pub direction: [f32; 3],
+    /// Hits before this distance do not count. At least 0.
+    pub near: f32,
+    /// Hits beyond this distance do not count; may be infinite.
+    pub far: f32,
+}
+
+/// Where a ray meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The distance along the ray, in multiples of its direction.
+    pub distance: f32,
+    /// First surface coordinate; its meaning is told where the geometry is added.
+    pub u: f32,
+    /// Second surface coordinate.
+    pub v: f32,
+    /// Normal of the surface, independent of the ray's side, in the space of the scene that holds
+    /// the geometry. Unit length on analytic shapes, twice the area on triangles.
+    pub normal: [f32; 3],
+    /// Number of the triangle in its index buffer; 0 on analytic shapes.
+    pub primitive: u32,
+    /// Number of the geometry, see [`crate::GeometryId`], in the scene that holds it.
+    pub geometry: u32,
+    /// Number of the instance in the scene that was traced, if the geometry is in one.
+    pub instance: Option<u32>,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The corner with the smallest coordinates, in scene units.
+    pub lower: [f32; 3],
+    /// The corner with the largest coordinates, in scene units.
+    pub upper: [f32; 3],
+}
+
+/// An Embree scene that is released when this is dropped.
+#[derive(Debug)]
+pub(crate) struct SceneHandle(bindings::RTCScene);
+
+// SAFETY: Embree scenes have no thread affinity. Building needs one caller at a time, which the
+// builder's `&mut self` gives; everything that takes `&self` is a query, allowed from any number
+// of threads.
+unsafe impl Send for SceneHandle {}
+// SAFETY: as above.
+unsafe impl Sync for SceneHandle {}
+
+impl SceneHandle {
+    /// Takes over the reference that rtcNewScene returned.
+    pub(crate) fn new(scene: bindings::RTCScene) -> Self {
+        Self(scene)
+    }
+
+    #[inline]
+    pub(crate) fn raw(&self) -> bindings::RTCScene {
+        self.0
+    }
+}
+
+impl Drop for SceneHandle {
+    fn drop(&mut self) {
+        // SAFETY: this value owns the one reference that rtcNewScene gave.
+        unsafe { bindings::rtcReleaseScene(self.0) }
+    }
+}
+
+/// A scene that is built: it can be traced from any thread, and keeps its buffers, instanced scenes
+/// and device alive.
+#[derive(Debug)]
+pub struct CommittedScene {
+    // Before `kept` and `device`: fields are dropped in order, and Embree goes first.
+    handle: SceneHandle,
+    kept: Vec<Kept>,
+    device: Device,
+}
+
+impl CommittedScene {
+    pub(crate) fn new(handle: SceneHandle, kept: Vec<Kept>, device: Device) -> Self {
+        Self {
+            handle,
+            kept,
+            device,
+        }
+    }
+
+    /// The closest hit at a distance in [near, far], or nothing.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        if !is_traceable(ray) {
+            return None;
+        }
+        let mut query = bindings::RTCRayHit {
+            ray: embree_ray(ray),
+            hit: bindings::RTCHit {
+                geomID: INVALID_ID,
+                instID: [INVALID_ID],
+                ..bindings::RTCHit::default()
+            },
+        };
+        // SAFETY: the scene is live and committed; the query is laid out and aligned as Embree
+        // wants it, and this call is its only user.
+        unsafe { bindings::shim_intersect(self.handle.raw(), &mut query) };
+        let hit = &query.hit;
+        if hit.geomID == INVALID_ID {
+            return None;
+        }
+        let [instance] = hit.instID;
+        Some(Hit {
+            distance: query.ray.tfar,
+            u: hit.u,
+            v: hit.v,
+            normal: [hit.Ng_x, hit.Ng_y, hit.Ng_z],
+            primitive: hit.primID,
+            geometry: hit.geomID,
+            instance: (instance != INVALID_ID).then_some(instance),
+        })
+    }
+
+    /// Whether anything is hit at a distance in [near, far].
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if !is_traceable(ray) {
+            return false;
+        }
+        let mut query = embree_ray(ray);
+        // SAFETY: as in `intersect`.
+        unsafe { bindings::shim_occluded(self.handle.raw(), &mut query) };
+        query.tfar == f32::NEG_INFINITY
+    }
+
+    /// The box around everything in the scene, or nothing if the scene is empty.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let mut bounds = bindings::RTCBounds::default();
+        // SAFETY: the scene is live and committed, the box is ours.
+        unsafe { bindings::rtcGetSceneBounds(self.handle.raw(), &mut bounds) };
+        let lower = [bounds.lower_x, bounds.lower_y, bounds.lower_z];
+        let upper = [bounds.upper_x, bounds.upper_y, bounds.upper_z];
+        (lower[0] <= upper[0]).then_some(Bounds { lower, upper })
+    }
+
+    /// The device that the scene was built on.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    pub(crate) fn handle(&self) -> bindings::RTCScene {
+        self.handle.raw()
+    }
+
+    pub(crate) fn has_instances(&self) -> bool {
+        self.kept
+            .iter()
+            .any(|kept| matches!(kept, Kept::Instance(_)))
+    }
+}
+
+/// Whether Embree accepts the ray.
+///
+/// Debian 12 compiles Embree with its assertions: it ends the process over a ray with
+/// not-a-number in it, where other builds visit the whole tree. Written without branches, and so
+/// that not-a-number fails.
+#[inline]
+fn is_traceable(ray: &Ray) -> bool {
+    let within = |[x, y, z]: [f32; 3]| {
+        let limit = VertexBuffer::LARGEST;
+        (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit)
+    };
+    within(ray.origin) & within(ray.direction) & (ray.near >= 0.0) & (ray.near <= ray.far)
+}
+
+#[inline]
+fn embree_ray(ray: &Ray) -> bindings::RTCRay {
+    bindings::RTCRay {
+        org_x: ray.origin[0],
+        org_y: ray.origin[1],
+        org_z: ray.origin[2],
+        tnear: ray.near,
+        dir_x: ray.direction[0],
+        dir_y: ray.direction[1],
+        dir_z: ray.direction[2],
+        time: 0.0,
+        tfar: ray.far,
+        mask: u32::MAX,
+        id: 0,
+        flags: 0,
+    }
+}

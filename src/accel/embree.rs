@@ -1,0 +1,89 @@
+//! The tracer Embree.
+
+use embree4_sys::{CommittedScene, Device, Hit, SceneBuilder};
+
+use super::{Geometry, Ray};
+use crate::math::Vec3;
+
+/// Why geometry could not be made traceable.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AccelError {
+    /// Embree cannot start, or refuses a geometry.
+    #[error("Embree: {0}")]
+    Embree(#[from] embree4_sys::Error),
+}
+
+/// Geometry that rays can be traced against.
+#[derive(Debug)]
+pub struct Accel {
+    scene: CommittedScene,
+}
+
+impl Accel {
+    /// Builds the search structure; the geometry of hits is the index into `geometries`.
+    ///
+    /// # Errors
+    /// When Embree cannot start, runs out of memory, or a buffer holds a vertex that is not finite or
+    /// an index out of range.
+    pub fn build(geometries: impl IntoIterator<Item = Geometry>) -> Result<Self, AccelError> {
+        let mut builder = SceneBuilder::new(&Device::new("")?)?;
+        for geometry in geometries {
+            match geometry {
+                Geometry::Triangles(vertices, triangles) => {
+                    builder.add_triangles(&vertices, &triangles)?
+                }
+                Geometry::Sphere { centre, radius } => {
+                    builder.add_sphere(centre.to_array(), radius)?
+                }
+                Geometry::Disk(to_world) => builder.add_disk(to_world)?,
+                Geometry::Cylinder(to_world) => builder.add_cylinder(to_world)?,
+            };
+        }
+        Ok(Self {
+            scene: builder.commit()?,
+        })
+    }
+
+    /// The closest hit.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.scene.intersect(&embree_ray(ray))
+    }
+
+    /// True when the ray hits anything.
+    #[inline]
+    pub fn is_occluded(&self, ray: &Ray) -> bool {
+        self.scene.occluded(&embree_ray(ray))
+    }
+
+    /// Lowest and highest corner of the box around everything; `None` when there is nothing.
+    pub fn bounding_box(&self) -> Option<(Vec3, Vec3)> {
+        let bounds = self.scene.bounds()?;
+        Some((
+            Vec3::from_array(bounds.lower),
+            Vec3::from_array(bounds.upper),
+        ))
+    }
+}
+
+/// Versions of the tracer: of the headers at build time, and of the library that runs.
+pub fn versions() -> Result<(String, String), AccelError> {
+    let versions = Device::new("")?.version();
+    Ok((versions.header.to_string(), versions.library.to_string()))
+}
+
+/// Sets the calling thread up for tracing: numbers too small to matter are flushed to zero.
+pub fn prepare_worker() {
+    embree4_sys::flush_denormals();
+}
+
+#[inline]
+fn embree_ray(ray: &Ray) -> embree4_sys::Ray {
+    embree4_sys::Ray {
+        origin: ray.origin().to_array(),
+        direction: ray.direction().to_array(),
+        near: ray.near(),
+        far: ray.far(),
+    }
+}

@@ -1,0 +1,72 @@
+//! Rays.
+
+use crate::math::Vec3;
+
+/// A half line, or a piece of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    origin: Vec3,
+    direction: Vec3,
+    near: f32,
+    far: f32,
+}
+
+impl Ray {
+    /// The half line from `origin` along `direction`.
+    #[inline]
+    pub const fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self {
+            origin,
+            direction,
+            near: 0.0,
+            far: f32::INFINITY,
+        }
+    }
+
+    /// The piece of a line between two points; distances along it run from 0 to 1.
+    #[inline]
+    pub fn segment(from: Vec3, to: Vec3) -> Self {
+        Self {
+            origin: from,
+            direction: to - from,
+            near: 0.0,
+            far: 1.0,
+        }
+    }
+
+    /// The same ray, limited to distances between `near` and `far`.
+    #[inline]
+    pub const fn between(self, near: f32, far: f32) -> Self {
+        Self { near, far, ..self }
+    }
+
+    /// Where distances are counted from, in world space.
+    #[inline]
+    pub const fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Direction; distances count in multiples of its length.
+    #[inline]
+    pub const fn direction(&self) -> Vec3 {
+        self.direction
+    }
+
+    /// Hits nearer than this do not count.
+    #[inline]
+    pub const fn near(&self) -> f32 {
+        self.near
+    }
+
+    /// Hits farther than this do not count.
+    #[inline]
+    pub const fn far(&self) -> f32 {
+        self.far
+    }
+
+    /// The point at a distance.
+    #[inline]
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
+}

@@ -1,0 +1,182 @@
+//! One pass of one layer, in fixed point.
+
+use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
+
+use super::{Filter, Window};
+use crate::math::Vec2;
+
+/// Value of one step of a layer's fixed-point numbers: a power of two.
+///
+/// It must be known before the first sample and derive from scene, options and seed alone, or merged
+/// shards would not add up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit(f64);
+
+impl Unit {
+    /// The unit for values around `magnitude`: 2⁻³² of it, so that one value can be two thousand
+    /// million times as large before it leaves the range.
+    ///
+    /// Zero, infinite or broken magnitudes count as one.
+    pub fn for_magnitude(magnitude: f64) -> Self {
+        let magnitude = if magnitude.is_normal() {
+            magnitude.abs()
+        } else {
+            1.0
+        };
+        Self(2.0_f64.powi(magnitude.log2().ceil() as i32 - 32))
+    }
+
+    /// The value of one step.
+    pub fn value(self) -> f64 {
+        self.0
+    }
+}
+
+/// Where the estimates of one pass land; shared by all threads.
+#[derive(Debug)]
+pub struct PassBuffer {
+    window: Window,
+    channels: usize,
+    steps_per_one: f64,
+    sums: Vec<AtomicI64>,
+    rejected: AtomicU64,
+}
+
+impl PassBuffer {
+    /// Makes an empty buffer.
+    pub fn new(window: Window, channels: usize, unit: Unit) -> Self {
+        let mut sums = Vec::new();
+        sums.resize_with(window.pixel_count() * channels, AtomicI64::default);
+        let steps_per_one = 1.0 / unit.value();
+        Self {
+            window,
+            channels,
+            steps_per_one,
+            sums,
+            rejected: AtomicU64::new(0),
+        }
+    }
+
+    /// Adds an estimate at a raster position to every pixel that the filter reaches.
+    ///
+    /// - `raster`: in pixels of the full film.
+    /// - `values`: one a channel. If one is not finite or out of range, the estimate is counted as
+    ///   rejected and adds nothing.
+    #[inline]
+    pub fn add<const N: usize>(&self, filter: &Filter, raster: Vec2, values: [f32; N]) {
+        debug_assert_eq!(N, self.channels, "one value a channel");
+        let steps = values.map(|value| f64::from(value) * self.steps_per_one);
+        if !steps.iter().all(|steps| steps.abs() < LARGEST_ESTIMATE) {
+            self.rejected.fetch_add(1, Relaxed);
+            return;
+        }
+        filter.for_each_pixel(raster, |x, y, weight| {
+            if let Some(first) = self.index(x, y) {
+                let weight = f64::from(weight);
+                for (sum, steps) in self.sums[first..first + N].iter().zip(steps) {
+                    sum.fetch_add(rounded(steps * weight), Relaxed);
+                }
+            }
+        });
+    }
+
+    /// Index of the first channel of a pixel of the full film; `None` outside of the window.
+    #[inline]
+    fn index(&self, x: i32, y: i32) -> Option<usize> {
+        let column = x.checked_sub_unsigned(self.window.x)?;
+        let row = y.checked_sub_unsigned(self.window.y)?;
+        let inside = (0..self.window.width as i32).contains(&column)
+            && (0..self.window.height as i32).contains(&row);
+        inside
+            .then(|| (row as usize * self.window.width as usize + column as usize) * self.channels)
+    }
+
+    /// The window of the film.
+    pub fn window(&self) -> Window {
+        self.window
+    }
+
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Number of estimates that were not finite or out of range.
+    pub fn rejected(&self) -> u64 {
+        self.rejected.load(Relaxed)
+    }
+
+    /// The sums, for the accumulator to fold.
+    pub(super) fn sums_mut(&mut self) -> &mut [AtomicI64] {
+        &mut self.sums
+    }
+
+    /// Takes the number of rejected estimates and starts counting anew.
+    pub(super) fn take_rejected(&mut self) -> u64 {
+        std::mem::take(self.rejected.get_mut())
+    }
+
+    /// Forgets what has landed.
+    pub fn clear(&mut self) {
+        for sum in &mut self.sums {
+            *sum.get_mut() = 0;
+        }
+        *self.rejected.get_mut() = 0;
+    }
+}
+
+/// Largest size of one estimate, in steps: leaves room for 2⁷ such estimates on one pixel of a pass.
+const LARGEST_ESTIMATE: f64 = (1_u64 << 56) as f64;
+
+/// Rounds to the nearest integer, halves away from zero.
+#[inline]
+fn rounded(steps: f64) -> i64 {
+    (steps + 0.5_f64.copysign(steps)) as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sums(buffer: &mut PassBuffer) -> Vec<i64> {
+        buffer.sums_mut().iter_mut().map(|s| *s.get_mut()).collect()
+    }
+
+    #[test]
+    fn units_are_powers_of_two_around_the_magnitude() {
+        assert_eq!(Unit::for_magnitude(1.0).value(), 2.0_f64.powi(-32));
+        assert_eq!(Unit::for_magnitude(0.3).value(), 2.0_f64.powi(-33));
+        for broken in [0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Unit::for_magnitude(broken), Unit::for_magnitude(1.0));
+        }
+    }
+
+    #[test]
+    fn estimates_land_on_the_pixels_of_the_window_only() {
+        let window = Window {
+            x: 2,
+            y: 1,
+            width: 2,
+            height: 2,
+        };
+        let mut buffer = PassBuffer::new(window, 1, Unit::for_magnitude(1.0));
+        let filter = Filter::pixel_box();
+        buffer.add(&filter, Vec2::new(3.5, 1.5), [1.0]);
+        buffer.add(&filter, Vec2::new(1.99, 1.5), [1.0]);
+        buffer.add(&filter, Vec2::new(-5.0, 1.5), [1.0]);
+        buffer.add(&filter, Vec2::new(2.0, 3.0), [1.0]);
+        buffer.add(&filter, Vec2::new(2.0, 2.0), [-0.5]);
+        assert_eq!(sums(&mut buffer), [0, 1 << 32, -(1 << 31), 0]);
+    }
+
+    #[test]
+    fn broken_estimates_are_counted_and_add_nothing() {
+        let mut buffer = PassBuffer::new(Window::full(1, 1), 2, Unit::for_magnitude(1.0));
+        let filter = Filter::pixel_box();
+        for bad in [f32::NAN, f32::INFINITY, f32::MAX] {
+            buffer.add(&filter, Vec2::splat(0.5), [1.0, bad]);
+        }
+        assert_eq!(buffer.rejected(), 3);
+        assert_eq!(sums(&mut buffer), [0, 0]);
+    }
+}

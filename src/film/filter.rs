@@ -1,0 +1,253 @@
+//! Reconstruction filters.
+
+use crate::math::Vec2;
+
+/// Shape of a reconstruction filter, with its parameters; lengths are in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FilterKind {
+    /// One over the pixel.
+    Box {
+        /// Half the width; 0.5 covers one pixel.
+        radius: f32,
+    },
+    /// Falls linearly from the centre.
+    Tent {
+        /// Half the width.
+        radius: f32,
+    },
+    /// A Gaussian, cut at four standard deviations and lowered to end at zero.
+    Gaussian {
+        /// Standard deviation.
+        stddev: f32,
+    },
+    /// The two-parameter cubic of Mitchell & Netravali, radius 2.
+    Mitchell {
+        /// Blur.
+        b: f32,
+        /// Ringing.
+        c: f32,
+    },
+    /// The interpolating cubic, radius 2: Mitchell with `b = 0`, `c = 0.5`.
+    CatmullRom,
+    /// A sinc in a sinc window.
+    Lanczos {
+        /// Number of lobes on each side, which is the radius, too.
+        lobes: f32,
+    },
+}
+
+impl FilterKind {
+    /// Half the width of the filter, in pixels.
+    pub fn radius(self) -> f32 {
+        match self {
+            Self::Box { radius } | Self::Tent { radius } => radius,
+            Self::Gaussian { stddev } => 4.0 * stddev,
+            Self::Mitchell { .. } | Self::CatmullRom => 2.0,
+            Self::Lanczos { lobes } => lobes,
+        }
+    }
+
+    /// Name in scene files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Box { .. } => "box",
+            Self::Tent { .. } => "tent",
+            Self::Gaussian { .. } => "gaussian",
+            Self::Mitchell { .. } => "mitchell",
+            Self::CatmullRom => "catmullrom",
+            Self::Lanczos { .. } => "lanczos",
+        }
+    }
+
+    /// Value at `x` pixels from the centre, up to a constant factor; zero outside of the radius.
+    fn shape(self, x: f32) -> f32 {
+        let x = x.abs();
+        if x > self.radius() {
+            return 0.0;
+        }
+        match self {
+            Self::Box { .. } => 1.0,
+            Self::Tent { radius } => 1.0 - x / radius,
+            Self::Gaussian { stddev } => {
+                let alpha = -0.5 / (stddev * stddev);
+                let edge = (alpha * self.radius() * self.radius()).exp();
+                ((alpha * x * x).exp() - edge).max(0.0)
+            }
+            Self::Mitchell { b, c } => cubic(x, b, c),
+            Self::CatmullRom => cubic(x, 0.0, 0.5),
+            Self::Lanczos { lobes } => sinc(x) * sinc(x / lobes),
+        }
+    }
+}
+
+/// The piecewise cubic of radius 2.
+///
+/// Source: Mitchell & Netravali 1988, Eq. 8.
+fn cubic(x: f32, b: f32, c: f32) -> f32 {
+    let (x2, x3) = (x * x, x * x * x);
+    let value = if x < 1.0 {
+        (12.0 - 9.0 * b - 6.0 * c) * x3 + (-18.0 + 12.0 * b + 6.0 * c) * x2 + (6.0 - 2.0 * b)
+    } else {
+        (-b - 6.0 * c) * x3
+            + (6.0 * b + 30.0 * c) * x2
+            + (-12.0 * b - 48.0 * c) * x
+            + (8.0 * b + 24.0 * c)
+    };
+    value / 6.0
+}
+
+/// `sin(πx) / (πx)`.
+fn sinc(x: f32) -> f32 {
+    let a = std::f32::consts::PI * x;
+    if a < 1e-4 { 1.0 } else { a.sin() / a }
+}
+
+/// A separable reconstruction filter whose integral is one.
+///
+/// A sample counts for every pixel within the radius with the weight of its distance; weights are
+/// *not* divided by their sum, which would bias the pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    kind: FilterKind,
+    radius: f32,
+    normalisation: f32,
+}
+
+impl Filter {
+    /// Makes the filter; `None` when a parameter leaves nothing to weigh with.
+    pub fn new(kind: FilterKind) -> Option<Self> {
+        let radius = kind.radius();
+        if !(radius.is_finite() && radius > 0.0 && radius <= 64.0) {
+            return None;
+        }
+        // Midpoints: the kinks of all kinds lie on cell edges of a grid of this fineness.
+        let cells = 65_536;
+        let step = 2.0 * f64::from(radius) / f64::from(cells);
+        let integral: f64 = (0..cells)
+            .map(|i| (f64::from(i) + 0.5) * step - f64::from(radius))
+            .map(|x| f64::from(kind.shape(x as f32)) * step)
+            .sum();
+        (integral > 1e-6).then(|| Self {
+            kind,
+            radius,
+            normalisation: (1.0 / integral) as f32,
+        })
+    }
+
+    /// The filter that averages over one pixel.
+    pub fn pixel_box() -> Self {
+        Self {
+            kind: FilterKind::Box { radius: 0.5 },
+            radius: 0.5,
+            normalisation: 1.0,
+        }
+    }
+
+    /// Shape and parameters.
+    pub fn kind(&self) -> FilterKind {
+        self.kind
+    }
+
+    /// True for the filter that keeps each sample in its own pixel.
+    #[inline]
+    pub fn is_pixel_box(&self) -> bool {
+        self.kind == FilterKind::Box { radius: 0.5 }
+    }
+
+    /// How many pixels beyond the film's edge hold samples that count for the film.
+    pub fn border(&self) -> u32 {
+        (self.radius - 0.5).ceil().max(0.0) as u32
+    }
+
+    /// Weight along one axis at `x` pixels from the centre of a pixel.
+    #[inline]
+    pub fn weight(&self, x: f32) -> f32 {
+        self.kind.shape(x) * self.normalisation
+    }
+
+    /// Calls `add(x, y, weight)` for every pixel that a sample at `raster` counts for.
+    ///
+    /// Pixel `(x, y)` covers `[x, x + 1) × [y, y + 1)`; coordinates can lie outside of the film.
+    #[inline]
+    pub fn for_each_pixel(&self, raster: Vec2, mut add: impl FnMut(i32, i32, f32)) {
+        if self.is_pixel_box() {
+            return add(raster.x.floor() as i32, raster.y.floor() as i32, 1.0);
+        }
+        let first = (raster - self.radius - 0.5).ceil();
+        let last = (raster + self.radius - 0.5).floor();
+        for y in first.y as i32..=last.y as i32 {
+            let along_y = self.weight(y as f32 + 0.5 - raster.y);
+            for x in first.x as i32..=last.x as i32 {
+                add(x, y, along_y * self.weight(x as f32 + 0.5 - raster.x));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KINDS: [FilterKind; 8] = [
+        FilterKind::Box { radius: 0.5 },
+        FilterKind::Box { radius: 1.3 },
+        FilterKind::Tent { radius: 1.0 },
+        FilterKind::Gaussian { stddev: 0.5 },
+        FilterKind::Mitchell {
+            b: 1.0 / 3.0,
+            c: 1.0 / 3.0,
+        },
+        FilterKind::Mitchell { b: 0.2, c: 0.6 },
+        FilterKind::CatmullRom,
+        FilterKind::Lanczos { lobes: 3.0 },
+    ];
+
+    #[test]
+    fn each_filter_integrates_to_one_over_the_samples_positions() {
+        for kind in KINDS {
+            let filter = Filter::new(kind).unwrap();
+            let n = 64;
+            let reach = filter.border() as i32 + 1;
+            // The pixel (0, 0) seen from samples all over its surroundings.
+            let mut integral = 0.0;
+            for i in -reach * n..(reach + 1) * n {
+                for j in -reach * n..(reach + 1) * n {
+                    let raster = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / n as f32;
+                    filter.for_each_pixel(raster, |x, y, w| {
+                        if (x, y) == (0, 0) {
+                            integral += f64::from(w);
+                        }
+                    });
+                }
+            }
+            integral /= f64::from(n * n);
+            assert!((integral - 1.0).abs() < 0.02, "{}: {integral}", kind.name());
+        }
+    }
+
+    #[test]
+    fn shapes_have_their_known_values() {
+        let ratio = |kind: FilterKind, x: f32| kind.shape(x) / kind.shape(0.0);
+        let mitchell = FilterKind::Mitchell {
+            b: 1.0 / 3.0,
+            c: 1.0 / 3.0,
+        };
+        assert!((mitchell.shape(0.0) - 8.0 / 9.0).abs() < 1e-6);
+        assert!((mitchell.shape(1.0) - 1.0 / 18.0).abs() < 1e-6);
+        assert_eq!(FilterKind::CatmullRom.shape(1.0), 0.0);
+        assert_eq!(ratio(FilterKind::Tent { radius: 2.0 }, 0.5), 0.75);
+        assert!((ratio(FilterKind::Gaussian { stddev: 0.5 }, 0.5) - (-0.5_f32).exp()).abs() < 1e-3);
+        assert!(ratio(FilterKind::Lanczos { lobes: 3.0 }, 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn parameters_without_a_filter_are_refused() {
+        for kind in [
+            FilterKind::Box { radius: 0.0 },
+            FilterKind::Gaussian { stddev: f32::NAN },
+            FilterKind::Tent { radius: 1e6 },
+        ] {
+            assert_eq!(Filter::new(kind), None);
+        }
+    }
+}

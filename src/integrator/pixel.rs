@@ -1,0 +1,267 @@
+//! Integrators that estimate the radiance along one camera ray at a time.
+
+use super::aov::{Aov, AovValue};
+use super::render::{Counters, Integrator};
+use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
+use crate::math::{Rgb, Vec2};
+use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
+use crate::scene::Scene;
+use crate::sensor::{CameraRay, Sensor, SensorModel};
+
+/// Estimate of the radiance along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Radiance in W·m⁻²·sr⁻¹.
+    pub radiance: Rgb,
+    /// One where the ray met something that is not invisible, else zero.
+    pub alpha: f32,
+}
+
+/// An algorithm that estimates the radiance along one camera ray at a time.
+pub trait PixelIntegrator: Send + Sync {
+    /// Estimates the radiance that arrives along a ray.
+    ///
+    /// - `sampler`: the numbers of this camera sample, those of the ray itself already taken.
+    fn estimate(
+        &self,
+        scene: &Scene,
+        ray: &CameraRay,
+        sampler: &mut Sampler,
+        counters: &mut Counters,
+    ) -> Estimate;
+}
+
+/// How camera samples are made, and which layers they fill.
+#[derive(Clone, Debug)]
+pub struct PixelSettings {
+    /// The render's seed.
+    pub seed: u64,
+    /// The pixels to render.
+    pub window: Window,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// How the samples of a pixel are spread.
+    pub sampler: SamplerKind,
+    /// Whether the image has an alpha channel.
+    pub alpha: bool,
+    /// Whether a layer holds the mean of the squared samples.
+    pub second_moment: bool,
+    /// Layers that describe the first surface.
+    pub aovs: Vec<Aov>,
+}
+
+/// A render by a [`PixelIntegrator`]: every pass makes one camera sample in every pixel.
+pub struct PixelRender<'s> {
+    scene: &'s Scene,
+    sensor: &'s Sensor,
+    integrator: &'s dyn PixelIntegrator,
+    settings: PixelSettings,
+    unit: Unit,
+    /// The pixels that get samples: the window and the filter's border around it.
+    sampled: SampledWindow,
+}
+
+/// A window that may reach beyond the film's edges.
+#[derive(Clone, Copy, Debug)]
+struct SampledWindow {
+    x: i32,
+    y: i32,
+    width: u32,
+    height: u32,
+}
+
+/// Pixels along each side of a unit of work.
+const BLOCK: u32 = 16;
+
+/// Pixel index of the stream that moves the grid of a pass: no pixel has it.
+const GRID: u32 = u32::MAX;
+
+impl<'s> PixelRender<'s> {
+    /// Prepares a render: makes the small estimate that fixes the film's unit.
+    pub fn new(
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        integrator: &'s dyn PixelIntegrator,
+        settings: PixelSettings,
+    ) -> Self {
+        let border = settings.filter.border();
+        let window = settings.window;
+        let sampled = SampledWindow {
+            x: window.x as i32 - border as i32,
+            y: window.y as i32 - border as i32,
+            width: window.width + 2 * border,
+            height: window.height + 2 * border,
+        };
+        let unit = Unit::for_magnitude(1.0);
+        let mut render = Self {
+            scene,
+            sensor,
+            integrator,
+            settings,
+            unit,
+            sampled,
+        };
+        render.unit = Unit::for_magnitude(render.mean_luminance());
+        render
+    }
+
+    /// Mean luminance of 4096 camera samples, for the film's unit: any rough value serves.
+    fn mean_luminance(&self) -> f64 {
+        const SIDE: u32 = 64;
+        let mut counters = Counters::default();
+        let mut sum = 0.0;
+        for index in 0..SIDE * SIDE {
+            let address = PixelAddress {
+                seed: self.settings.seed,
+                purpose: Purpose::FilmUnit,
+                pixel: index,
+                sample: 0,
+            };
+            let mut sampler = Sampler::new(SamplerKind::Independent, address);
+            let cell = Vec2::new((index % SIDE) as f32, (index / SIDE) as f32);
+            let place = (cell + sampler.next_2d()) / SIDE as f32;
+            let window = self.settings.window;
+            let size = Vec2::new(window.width as f32, window.height as f32);
+            let raster = Vec2::new(window.x as f32, window.y as f32) + place * size;
+            let ray = self.sensor.sample_ray(raster, sampler.next_2d());
+            let estimate = self
+                .integrator
+                .estimate(self.scene, &ray, &mut sampler, &mut counters);
+            let luminance = f64::from(estimate.radiance.luminance());
+            sum += if luminance.is_finite() {
+                luminance
+            } else {
+                0.0
+            };
+        }
+        sum / f64::from(SIDE * SIDE)
+    }
+
+    /// Makes one camera sample.
+    fn sample_pixel(
+        &self,
+        x: u32,
+        y: u32,
+        pass: u32,
+        layers: &[PassBuffer],
+        counters: &mut Counters,
+    ) {
+        let settings = &self.settings;
+        let pixel = y * self.sampled.width + x;
+        let address = PixelAddress {
+            seed: settings.seed,
+            purpose: Purpose::Pixel,
+            pixel,
+            sample: pass,
+        };
+        let mut sampler = Sampler::new(settings.sampler, address);
+        let offset = self.offset_in_pixel(pass, &mut sampler);
+        let corner = Vec2::new(
+            (self.sampled.x + x as i32) as f32,
+            (self.sampled.y + y as i32) as f32,
+        );
+        let raster = corner + offset;
+        let ray = self.sensor.sample_ray(raster, sampler.next_2d());
+        let estimate = self
+            .integrator
+            .estimate(self.scene, &ray, &mut sampler, counters);
+        counters.paths += 1;
+
+        let [r, g, b] = estimate.radiance.to_array();
+        let mut layers = layers.iter();
+        let mut next_layer = || layers.next().expect("one buffer for each layer");
+        if settings.alpha {
+            next_layer().add(&settings.filter, raster, [r, g, b, estimate.alpha]);
+        } else {
+            next_layer().add(&settings.filter, raster, [r, g, b]);
+        }
+        if settings.second_moment {
+            next_layer().add(&settings.filter, raster, [r * r, g * g, b * b]);
+        }
+        if !settings.aovs.is_empty() {
+            let first = self.scene.intersect(&ray.to_ray());
+            counters.rays += 1;
+            for aov in &settings.aovs {
+                match aov.value(first.as_ref()) {
+                    AovValue::One(value) => next_layer().add(&settings.filter, raster, [value]),
+                    AovValue::Two(value) => {
+                        next_layer().add(&settings.filter, raster, value.to_array());
+                    }
+                    AovValue::Three(value) => {
+                        next_layer().add(&settings.filter, raster, value.to_array());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Place of a camera sample in its pixel.
+    ///
+    /// A filter that spreads samples over several pixels sees one grid a pass, moved as a whole: the
+    /// weights that a pixel collects then add up to one in every pass for filters whose shifted
+    /// copies do (tent, Mitchell), and very nearly for the others, so that flat areas have no grain.
+    #[inline]
+    fn offset_in_pixel(&self, pass: u32, sampler: &mut Sampler) -> Vec2 {
+        let own = sampler.next_2d();
+        if self.settings.filter.is_pixel_box() {
+            return own;
+        }
+        let address = PixelAddress {
+            seed: self.settings.seed,
+            purpose: Purpose::Pixel,
+            pixel: GRID,
+            sample: pass,
+        };
+        Sampler::new(self.settings.sampler, address).next_2d()
+    }
+}
+
+impl Integrator for PixelRender<'_> {
+    fn layers(&self) -> Vec<Layer> {
+        let mut layers = vec![Layer::new(
+            "",
+            if self.settings.alpha { "RGBA" } else { "RGB" },
+        )];
+        if self.settings.second_moment {
+            layers.push(Layer::new("moment2", "RGB"));
+        }
+        layers.extend(self.settings.aovs.iter().map(|aov| aov.layer()));
+        layers
+    }
+
+    fn units(&self) -> Vec<Unit> {
+        let mut units = vec![self.unit];
+        if self.settings.second_moment {
+            units.push(Unit::for_magnitude(
+                (self.unit.value() * 2.0_f64.powi(32)).powi(2),
+            ));
+        }
+        let bounds = self.scene.bounds();
+        units.extend(self.settings.aovs.iter().map(|aov| aov.unit(bounds)));
+        units
+    }
+
+    fn window(&self) -> Window {
+        self.settings.window
+    }
+
+    fn passes_per_replica(&self) -> u32 {
+        self.settings.sampler.group()
+    }
+
+    fn unit_count(&self) -> u32 {
+        self.sampled.width.div_ceil(BLOCK) * self.sampled.height.div_ceil(BLOCK)
+    }
+
+    fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
+        let columns = self.sampled.width.div_ceil(BLOCK);
+        let (left, top) = ((unit % columns) * BLOCK, (unit / columns) * BLOCK);
+        let mut counters = Counters::default();
+        for y in top..(top + BLOCK).min(self.sampled.height) {
+            for x in left..(left + BLOCK).min(self.sampled.width) {
+                self.sample_pixel(x, y, pass, layers, &mut counters);
+            }
+        }
+        counters
+    }
+}

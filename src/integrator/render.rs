@@ -1,0 +1,152 @@
+//! Running passes.
+
+use std::ops::{AddAssign, ControlFlow};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use crate::film::{Accumulator, Layer, PassBuffer, Unit, Window};
+
+/// What an algorithm is to the driver: layers, and units of work that fill them.
+pub trait Integrator: Sync {
+    /// The layers of the result; the first is the image itself.
+    fn layers(&self) -> Vec<Layer>;
+
+    /// The fixed-point unit of each layer.
+    fn units(&self) -> Vec<Unit>;
+
+    /// The pixels that are rendered.
+    fn window(&self) -> Window;
+
+    /// Number of consecutive passes that are spread against each other: one replica.
+    fn passes_per_replica(&self) -> u32;
+
+    /// Number of work units in a pass.
+    fn unit_count(&self) -> u32;
+
+    /// Does one unit of work of one pass.
+    ///
+    /// - `layers`: one buffer for each of [`Integrator::layers`].
+    fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters;
+}
+
+/// Counts of work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Camera samples with all that follows from them.
+    pub paths: u64,
+    /// Rays traced: closest hits and shadow rays.
+    pub rays: u64,
+    /// Estimates that were not finite or out of range, and were left out.
+    pub rejected: u64,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.paths += other.paths;
+        self.rays += other.rays;
+        self.rejected += other.rejected;
+    }
+}
+
+/// What the caller of [`render`] is told after each pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Passes done.
+    pub passes: u32,
+    /// Work done so far.
+    pub counters: Counters,
+}
+
+/// The sums of a render.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The layers, with their sums.
+    pub layers: Vec<(Layer, Accumulator)>,
+    /// The pixels that were rendered.
+    pub window: Window,
+    /// Passes in the sums.
+    pub passes: u32,
+    /// Work done.
+    pub counters: Counters,
+}
+
+/// Renders passes, numbered from zero, until the caller says that it is enough.
+///
+/// - `keep_variance`: for each layer, whether to keep the spread of its replicas.
+/// - `cancelled`: once true, the pass under way is dropped and the render ends.
+/// - `done_units`: counts the units done in the pass under way, for progress.
+/// - `next`: asked before each pass, with what was done so far.
+pub fn render(
+    integrator: &dyn Integrator,
+    keep_variance: impl Fn(&Layer) -> bool,
+    cancelled: &AtomicBool,
+    done_units: &AtomicU64,
+    mut next: impl FnMut(Step) -> ControlFlow<()>,
+) -> Rendered {
+    let (window, layers, units) = (integrator.window(), integrator.layers(), integrator.units());
+    let mut buffers = Vec::with_capacity(layers.len());
+    let mut sums = Vec::with_capacity(layers.len());
+    for (layer, unit) in layers.iter().zip(units) {
+        let channels = layer.channels.len();
+        buffers.push(PassBuffer::new(window, channels, unit));
+        let replicas = keep_variance(layer).then(|| integrator.passes_per_replica());
+        sums.push(Accumulator::new(
+            window.pixel_count() * channels,
+            unit,
+            replicas,
+        ));
+    }
+    let mut done = Step {
+        passes: 0,
+        counters: Counters::default(),
+    };
+    while !cancelled.load(Relaxed) && next(done).is_continue() {
+        done_units.store(0, Relaxed);
+        let counters = run_pass(integrator, done.passes, &buffers, cancelled, done_units);
+        let Some(mut counters) = counters else { break };
+        for (sum, buffer) in sums.iter_mut().zip(&mut buffers) {
+            counters.rejected += buffer.rejected();
+            sum.fold(buffer);
+        }
+        done.counters += counters;
+        done.passes += 1;
+    }
+    let layers = layers.into_iter().zip(sums).collect();
+    Rendered {
+        layers,
+        window,
+        passes: done.passes,
+        counters: done.counters,
+    }
+}
+
+/// Runs all units of one pass; `None` when it was cancelled before its end.
+fn run_pass(
+    integrator: &dyn Integrator,
+    pass: u32,
+    buffers: &[PassBuffer],
+    cancelled: &AtomicBool,
+    done_units: &AtomicU64,
+) -> Option<Counters> {
+    let total = Mutex::new(Counters::default());
+    (0..integrator.unit_count())
+        .into_par_iter()
+        .for_each(|unit| {
+            if cancelled.load(Relaxed) {
+                return;
+            }
+            let counters = integrator.run_unit(pass, unit, buffers);
+            // Integer counts: their sum does not depend on the order.
+            match total.lock() {
+                Ok(mut total) => *total += counters,
+                Err(poisoned) => *poisoned.into_inner() += counters,
+            }
+            done_units.fetch_add(1, Relaxed);
+        });
+    let counters = total
+        .into_inner()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    (!cancelled.load(Relaxed)).then_some(counters)
+}

@@ -1,0 +1,111 @@
+//! Putting a scene together.
+
+use std::sync::Arc;
+
+use super::{BsdfId, EmitterId, Lights, Object, Scene};
+use crate::accel::{Accel, AccelError};
+use crate::bsdf::Bsdf;
+use crate::emitter::{Area, Emitter, EmitterModel, SceneBounds};
+use crate::math::Vec3;
+use crate::shape::{Shape, ShapeModel};
+use crate::texture::Texture;
+
+/// Collects objects, materials and lights; [`SceneBuilder::build`] makes the scene of them.
+#[derive(Debug, Default)]
+pub struct SceneBuilder {
+    objects: Vec<Object>,
+    bsdfs: Vec<Bsdf>,
+    emitters: Vec<Emitter>,
+}
+
+/// Why a scene could not be built.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A shape that is to emit has no area.
+    #[error("a shape without area cannot emit light")]
+    NoArea,
+    /// The tracer refused the geometry.
+    #[error(transparent)]
+    Accel(#[from] AccelError),
+}
+
+impl SceneBuilder {
+    /// Starts an empty scene.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a material.
+    pub fn add_bsdf(&mut self, bsdf: impl Into<Bsdf>) -> BsdfId {
+        self.bsdfs.push(bsdf.into());
+        BsdfId(self.bsdfs.len() as u32 - 1)
+    }
+
+    /// Adds a light that is no surface.
+    pub fn add_emitter(&mut self, emitter: impl Into<Emitter>) -> EmitterId {
+        self.emitters.push(emitter.into());
+        EmitterId(self.emitters.len() as u32 - 1)
+    }
+
+    /// Adds a surface.
+    ///
+    /// - `radiance`: what its front emits, in W·m⁻²·sr⁻¹.
+    ///
+    /// # Errors
+    /// [`BuildError::NoArea`] when a shape without area is to emit.
+    pub fn add_shape(
+        &mut self,
+        shape: impl Into<Shape>,
+        bsdf: BsdfId,
+        radiance: Option<Texture>,
+    ) -> Result<(), BuildError> {
+        let mut shape = shape.into();
+        if radiance.is_some() && !shape.prepare_sampling() {
+            return Err(BuildError::NoArea);
+        }
+        let shape = Arc::new(shape);
+        let emitter =
+            radiance.map(|radiance| self.add_emitter(Area::new(Arc::clone(&shape), radiance)));
+        self.objects.push(Object {
+            shape,
+            bsdf,
+            emitter,
+        });
+        Ok(())
+    }
+
+    /// Builds the search structures and the choice of lights.
+    ///
+    /// # Errors
+    /// What the tracer says of geometry that it cannot take.
+    pub fn build(self) -> Result<Scene, BuildError> {
+        let Self {
+            objects,
+            bsdfs,
+            mut emitters,
+        } = self;
+        let accel = Accel::build(objects.iter().map(|object| object.shape.geometry()))?;
+        let bounds = bounding_sphere(accel.bounding_box());
+        for emitter in &mut emitters {
+            emitter.set_scene_bounds(bounds);
+        }
+        Ok(Scene {
+            accel,
+            objects,
+            bsdfs,
+            lights: Lights::new(emitters),
+            bounds,
+        })
+    }
+}
+
+/// The sphere around a box; of radius one around nothing.
+fn bounding_sphere(corners: Option<(Vec3, Vec3)>) -> SceneBounds {
+    let (low, high) = corners.unwrap_or((-Vec3::ONE, Vec3::ONE));
+    let radius = 0.5 * (high - low).length();
+    SceneBounds {
+        centre: 0.5 * (low + high),
+        radius: radius.max(f32::MIN_POSITIVE),
+    }
+}

@@ -1,0 +1,152 @@
+//! What was wrong with a scene file, all of it.
+
+use std::cell::RefCell;
+use std::fmt;
+
+use super::source::Location;
+
+/// How bad a [`Diagnostic`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The scene can be rendered; something in it has no effect or was replaced.
+    Warning,
+    /// The scene cannot be rendered.
+    Error,
+}
+
+/// How severely problems are judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Strictness {
+    /// Missing files and unknown plugins that shape the picture are errors, the rest warnings.
+    #[default]
+    Normal,
+    /// What is not supported is replaced and reported as a warning (`--lenient`).
+    Lenient,
+    /// Every warning is an error (`--strict`).
+    Strict,
+}
+
+/// One problem of a scene file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Where it stands; `None` for the command line.
+    pub location: Option<Location>,
+    /// A lower-case sentence: what was found, what was expected, what may have been meant.
+    pub message: String,
+    /// True when `--lenient` let something else stand in for what the file says.
+    pub is_replacement: bool,
+}
+
+impl fmt::Display for Diagnostic {
+    /// `file:line:col: message`, with `warning: ` before the message of a warning.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(location) = &self.location {
+            write!(f, "{location}: ")?;
+        }
+        if self.severity == Severity::Warning {
+            f.write_str("warning: ")?;
+        }
+        f.write_str(&self.message)
+    }
+}
+
+/// Collects problems while reading goes on.
+///
+/// Takes `&self` everywhere: a parent and the children it builds report into the same list.
+#[derive(Debug, Default)]
+pub struct Diagnostics {
+    strictness: Strictness,
+    found: RefCell<Vec<Diagnostic>>,
+}
+
+impl Diagnostics {
+    /// An empty list that judges by `strictness`.
+    pub fn new(strictness: Strictness) -> Self {
+        Self {
+            strictness,
+            found: RefCell::default(),
+        }
+    }
+
+    /// Notes that the scene cannot be rendered.
+    pub fn error(&self, location: &Location, message: impl Into<String>) {
+        self.push(Severity::Error, Some(location), message.into());
+    }
+
+    /// Notes that something has no effect or was replaced; an error under `--strict`.
+    pub fn warning(&self, location: &Location, message: impl Into<String>) {
+        self.push(self.warning_severity(), Some(location), message.into());
+    }
+
+    /// Notes a warning about the command line.
+    pub(super) fn warning_without_location(&self, message: String) {
+        self.push(self.warning_severity(), None, message);
+    }
+
+    /// Notes an unknown plugin or a missing file: an error, or under `--lenient` a replacement.
+    ///
+    /// - `instead`: what happens under `--lenient`, such as "left out".
+    pub fn unsupported(&self, location: &Location, message: impl Into<String>, instead: &str) {
+        let mut message = message.into();
+        let is_replacement = self.strictness == Strictness::Lenient;
+        let severity = if is_replacement {
+            Severity::Warning
+        } else {
+            Severity::Error
+        };
+        if is_replacement {
+            message.push_str("; ");
+            message.push_str(instead);
+        }
+        let location = Some(location.clone());
+        let diagnostic = Diagnostic {
+            severity,
+            location,
+            message,
+            is_replacement,
+        };
+        self.found.borrow_mut().push(diagnostic);
+    }
+
+    /// True when anything noted so far is an error.
+    pub fn has_errors(&self) -> bool {
+        self.found
+            .borrow()
+            .iter()
+            .any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// Everything noted so far in the order of the files, each problem once; what has no location
+    /// comes last.
+    pub fn sorted(&self) -> Vec<Diagnostic> {
+        let mut list = self.found.borrow().clone();
+        list.sort_by(|a, b| {
+            let key = |diagnostic: &Diagnostic| diagnostic.location.is_none();
+            key(a)
+                .cmp(&key(b))
+                .then_with(|| a.location.cmp(&b.location))
+        });
+        list.dedup();
+        list
+    }
+
+    fn warning_severity(&self) -> Severity {
+        if self.strictness == Strictness::Strict {
+            Severity::Error
+        } else {
+            Severity::Warning
+        }
+    }
+
+    fn push(&self, severity: Severity, location: Option<&Location>, message: String) {
+        let location = location.cloned();
+        self.found.borrow_mut().push(Diagnostic {
+            severity,
+            location,
+            message,
+            is_replacement: false,
+        });
+    }
+}

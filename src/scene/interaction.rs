@@ -1,0 +1,55 @@
+//! A ray that met a surface.
+
+use super::{EmitterId, Object};
+use crate::accel::{Hit, Ray};
+use crate::bsdf::Bsdf;
+use crate::math::{Local, Vec2, Vec3};
+use crate::shape::{ShapeHit, ShapeModel, SurfacePoint};
+
+/// A surface that a ray met, with the direction that it came from.
+#[derive(Clone, Debug)]
+pub struct Interaction<'s> {
+    /// The point on the surface.
+    pub point: SurfacePoint,
+    /// The material there.
+    pub bsdf: &'s Bsdf,
+    /// The light there.
+    pub emitter: Option<EmitterId>,
+    /// World-space unit direction back to where the ray came from.
+    pub back: Vec3,
+    /// The same in the shading frame.
+    pub wi: Local,
+    /// Length of the ray in m.
+    pub distance: f32,
+}
+
+impl<'s> Interaction<'s> {
+    /// Looks up what stands at a hit.
+    ///
+    /// - `ray`: with a unit direction.
+    #[inline]
+    pub(super) fn new(object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
+        let point = object.shape.surface_at(&ShapeHit {
+            primitive: hit.primitive,
+            barycentrics: Vec2::new(hit.u, hit.v),
+            position: ray.at(hit.distance),
+        });
+        let back = -ray.direction();
+        let wi = point.shading.to_local(back);
+        Self {
+            point,
+            bsdf,
+            emitter: object.emitter,
+            back,
+            wi,
+            distance: hit.distance,
+        }
+    }
+
+    /// The ray that leaves in a direction of the shading frame.
+    #[inline]
+    pub fn spawn(&self, direction: Local) -> Ray {
+        let world = self.point.shading.to_world(direction);
+        Ray::new(self.point.ray_origin(world), world)
+    }
+}

@@ -1,0 +1,6 @@
+//! All integration tests in one binary: one link step.
+
+mod chi_square;
+mod mitsuba_materials;
+mod scattering;
+mod support;
