@@ -84,7 +84,8 @@ impl Disk {
         SurfacePoint {
             position: self.centre + x * p.x + y * p.y,
             geometric_normal: normal,
-            shading: Frame::with_tangent(normal, outwards),
+            shading_normal: normal,
+            tangent: outwards,
             uv: Vec2::new(from_centre, warp::turn(p)),
             error: self.error,
         }
