@@ -31,7 +31,7 @@ impl<'s> Interaction<'s> {
     /// Looks up what stands at a hit.
     ///
     /// - `ray`: with a unit direction.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
         let point = object.shape.surface_at(&ShapeHit {
             primitive: hit.primitive,

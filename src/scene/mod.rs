@@ -82,7 +82,7 @@ impl Scene {
     }
 
     /// The first surface that a ray meets.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction<'_>> {
         let hit = self.accel.intersect(ray)?;
         let object = &self.objects[hit.geometry as usize];

@@ -74,7 +74,7 @@ impl TriangleMesh {
     }
 
     /// The point of a triangle at the barycentrics of its second and third vertex.
-    #[inline]
+    #[inline(always)]
     fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
         let triangle = self.triangles.as_slice()[primitive as usize];
         let corners = self.corners(triangle);
@@ -182,7 +182,7 @@ impl ShapeModel for TriangleMesh {
 fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
     let length_squared = vector.length_squared();
     if length_squared > 0.0 {
-        vector / length_squared.sqrt()
+        vector * (1.0 / length_squared.sqrt())
     } else {
         fallback
     }
