@@ -5,6 +5,7 @@ pub mod bsdf;
 pub mod emitter;
 pub mod film;
 pub mod integrator;
+pub mod image;
 pub mod math;
 pub mod path;
 pub mod random;
