@@ -30,8 +30,12 @@ fn revision(root: &Path) -> Option<String> {
     if top.canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
     }
-    // In a linked worktree HEAD is in its own folder and the branches are in the common one.
-    for name in ["HEAD", "refs", "packed-refs"] {
+    // Every commit and checkout moves one of these. The branch alone is not enough, since git may
+    // have packed it away; all of refs is too much, since other worktrees move theirs. Git knows
+    // which of them belong to this worktree and which to all.
+    let branch = git(root, &["symbolic-ref", "--quiet", "HEAD"]);
+    let fixed = ["HEAD", "logs/HEAD", "refs/tags", "packed-refs"];
+    for name in fixed.into_iter().chain(branch.as_deref()) {
         let path = root.join(git(root, &["rev-parse", "--git-path", name])?);
         // A path that does not exist would run this script on every build.
         if path.exists() {

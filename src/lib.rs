@@ -6,6 +6,8 @@ pub mod emitter;
 pub mod film;
 pub mod integrator;
 pub mod image;
+pub mod image;
+pub mod integrator;
 pub mod math;
 pub mod path;
 pub mod random;

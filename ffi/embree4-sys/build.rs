@@ -146,7 +146,6 @@ fn compile_shim(installation: &Installation) {
         .flag(&installation.headers)
         .warnings(true)
         .extra_warnings(true)
-        .warnings_into_errors(false)
         .compile("embree_shim");
 }
 

@@ -3,7 +3,7 @@
 use embree4_sys::{CommittedScene, Device, Hit, SceneBuilder};
 
 use super::{Geometry, Ray};
-use crate::math::{Mat4, Vec3};
+use crate::math::Vec3;
 
 /// Why geometry could not be made traceable.
 #[derive(Debug, thiserror::Error)]
@@ -36,8 +36,8 @@ impl Accel {
                 Geometry::Sphere { centre, radius } => {
                     builder.add_sphere(centre.to_array(), radius)?
                 }
-                Geometry::Disk(to_world) => builder.add_disk(rows(to_world))?,
-                Geometry::Cylinder(to_world) => builder.add_cylinder(rows(to_world))?,
+                Geometry::Disk(to_world) => builder.add_disk(to_world)?,
+                Geometry::Cylinder(to_world) => builder.add_cylinder(to_world)?,
             };
         }
         Ok(Self {
@@ -86,9 +86,4 @@ fn embree_ray(ray: &Ray) -> embree4_sys::Ray {
         near: ray.near(),
         far: ray.far(),
     }
-}
-
-/// The upper three rows of an affine map.
-fn rows(map: Mat4) -> [[f32; 4]; 3] {
-    [0, 1, 2].map(|row| map.row(row).to_array())
 }

@@ -7,7 +7,7 @@ pub use embree::{Accel, AccelError, prepare_worker, versions};
 pub use embree4_sys::{Hit, IndexBuffer, VertexBuffer};
 pub use ray::Ray;
 
-use crate::math::{Mat4, Vec3};
+use crate::math::Vec3;
 
 /// What a tracer can be given.
 #[derive(Clone, Debug)]
@@ -21,8 +21,9 @@ pub enum Geometry {
         /// Radius in m, positive.
         radius: f32,
     },
-    /// The image of the unit disk at `z = 0` under an affine map.
-    Disk(Mat4),
-    /// The image of the open cylinder of radius 1 from `z = 0` to `z = 1` under an affine map.
-    Cylinder(Mat4),
+    /// The image of the unit disk at `z = 0` under an affine map, given by its rows.
+    Disk([[f32; 4]; 3]),
+    /// The image of the open cylinder of radius 1 from `z = 0` to `z = 1` under an affine map, given
+    /// by its rows.
+    Cylinder([[f32; 4]; 3]),
 }

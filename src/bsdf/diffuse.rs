@@ -25,6 +25,10 @@ impl Diffuse {
 }
 
 impl BsdfModel for Diffuse {
+    fn examples() -> Vec<Self> {
+        vec![Self::new(0.5), Self::new(Rgb::new(0.9, 0.5, 0.0))]
+    }
+
     fn lobes(&self) -> LobeSet {
         LobeSet {
             finite: true,

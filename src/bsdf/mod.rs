@@ -11,16 +11,44 @@
 //! - A Dirac lobe has a coefficient and a selection probability, apart: the coefficient belongs to
 //!   the integrand, the probability to the sampler.
 //!
-//! A new model is a file, a line in `bsdf_models!` and an arm in the importer. `tests/chi_square.rs`
-//! and `tests/furnace.rs` pick it up from its list of examples.
+//! A new model is a file, a line in `bsdf_models!` and an arm in the importer. The tests pick it up
+//! from its [`BsdfModel::examples`].
 
+mod coat;
+mod conductor;
 mod conductor_presets;
+mod dielectric;
 mod diffuse;
+mod error;
+mod fresnel;
 mod ior_presets;
+mod mask;
+mod microfacet;
+mod null;
+mod plastic;
+mod quadrature;
+mod rough_conductor;
+mod rough_dielectric;
+mod rough_plastic;
+mod thin_dielectric;
+mod two_sided;
 
+pub use conductor::Conductor;
 pub use conductor_presets::{conductor, conductor_names};
+pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use error::BsdfError;
+pub use fresnel::{ComplexIor, Refraction, RelativeIor};
 pub use ior_presets::{ior, ior_names};
+pub use mask::Mask;
+pub use microfacet::{MicrofacetKind, Microfacets, Roughness};
+pub use null::Null;
+pub use plastic::Plastic;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_plastic::RoughPlastic;
+pub use thin_dielectric::ThinDielectric;
+pub use two_sided::TwoSided;
 
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -98,8 +126,30 @@ pub struct BsdfSample {
     pub component: Component,
     /// Index of refraction on `wi`'s side over that on `wo`'s side; 1 unless refracted.
     ///
-    /// Radiance grows by its inverse square; Russian roulette must not mistake that for energy.
+    /// Radiance that comes back along the path is multiplied by its square, importance is not.
+    /// That is no loss of energy, and Russian roulette must not take it for one.
     pub eta: f32,
+}
+
+impl BsdfSample {
+    /// Makes the sample of a finite lobe; `None` when the direction cannot be sampled.
+    #[inline]
+    fn finite(
+        direction: Local,
+        value: Rgb,
+        density: SolidAngleDensity,
+        lobe: Lobe,
+    ) -> Option<Self> {
+        (density.0 > 0.0 && density.0.is_finite()).then(|| Self {
+            direction,
+            weight: value / density.0,
+            value,
+            density: density.0,
+            lobe,
+            component: Component(0),
+            eta: 1.0,
+        })
+    }
 }
 
 /// A Dirac component followed from one direction.
@@ -117,8 +167,29 @@ pub struct DiracEvent {
     pub eta: f32,
 }
 
+impl DiracEvent {
+    /// The sample that selected this event; `None` when it has no chance to be selected.
+    #[inline]
+    fn sampled(self, component: Component) -> Option<BsdfSample> {
+        (self.probability > 0.0).then(|| BsdfSample {
+            direction: self.direction,
+            weight: self.coefficient / self.probability,
+            value: self.coefficient,
+            density: self.probability,
+            lobe: self.lobe,
+            component,
+            eta: self.eta,
+        })
+    }
+}
+
 /// What a material can answer; see the module's contract.
 pub trait BsdfModel {
+    /// Materials that stand for the model in tests and benchmarks: each feature, each limit.
+    fn examples() -> Vec<Self>
+    where
+        Self: Sized;
+
     /// The lobes that this model has anywhere on its surface.
     fn lobes(&self) -> LobeSet;
 
@@ -192,7 +263,20 @@ macro_rules! bsdf_models {
             }
         })*
 
+        impl Bsdf {
+            /// Name of the model, as the code spells it.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$model(_) => stringify!($model),)* }
+            }
+        }
+
         impl BsdfModel for Bsdf {
+            /// The examples of all models.
+            fn examples() -> Vec<Self> {
+                let mut all = Vec::new();
+                $(all.extend($model::examples().into_iter().map(Self::from));)*
+                all
+            }
             #[inline]
             fn lobes(&self) -> LobeSet {
                 match self { $(Self::$model(m) => m.lobes(),)* }
@@ -233,4 +317,24 @@ macro_rules! bsdf_models {
 bsdf_models! {
     /// Ideal diffuse reflection.
     Diffuse,
+    /// A material for each side.
+    TwoSided,
+    /// A smooth boundary between transparent substances.
+    Dielectric,
+    /// A pane without thickness.
+    ThinDielectric,
+    /// A rough boundary between transparent substances.
+    RoughDielectric,
+    /// Smooth metal.
+    Conductor,
+    /// Rough metal.
+    RoughConductor,
+    /// A diffuse base under a smooth coat.
+    Plastic,
+    /// A diffuse base under a rough coat.
+    RoughPlastic,
+    /// A material with holes.
+    Mask,
+    /// No surface.
+    Null,
 }

@@ -136,8 +136,9 @@ pub fn uniform_triangle_inverse(barycentrics: Vec2) -> Vec2 {
     )
 }
 
-/// Angle of a vector as a part of a full turn, in `[0, 1)`.
-fn turn(v: Vec2) -> f32 {
+/// Angle of a vector as a part of a full turn, in `[0, 1)`, from the x axis towards y.
+#[inline]
+pub fn turn(v: Vec2) -> f32 {
     let part = v.y.atan2(v.x) / TAU;
     (if part < 0.0 { part + 1.0 } else { part }).min(ONE_MINUS_EPSILON)
 }

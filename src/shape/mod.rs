@@ -4,14 +4,45 @@
 //! triangle meshes; spheres, disks and cylinders are exact.
 
 pub mod mesh;
+pub mod primitives;
+
+mod affine;
+mod cylinder;
+mod disk;
+mod sphere;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod triangle_mesh;
 
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use sphere::Sphere;
 pub use surface::SurfacePoint;
 pub use triangle_mesh::TriangleMesh;
 
+use thiserror::Error;
+
 use crate::accel::Geometry;
 use crate::math::{AreaDensity, SolidAngleDensity, Vec2, Vec3};
+
+/// Why numbers do not describe an exact shape.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A number is infinite or not a number.
+    #[error("a number of the shape is not finite")]
+    NotFinite,
+    /// A radius is zero or negative.
+    #[error("the radius must be positive")]
+    BadRadius,
+    /// The transform leaves no surface.
+    #[error("the transform flattens the shape to nothing")]
+    Flat,
+    /// The transform makes an ellipsoid, or a cylinder with an elliptic or slanted cut, of it.
+    #[error("the transform stretches or shears the shape, so that it is no longer round")]
+    Stretched,
+}
 
 /// Where a ray met a shape.
 #[derive(Clone, Copy, Debug)]
@@ -49,22 +80,26 @@ pub trait ShapeModel {
     /// shape's own surface, or for a point that is seen edge-on.
     fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAngleDensity)> {
         let (point, density) = self.sample_area(u);
-        let edge = point.position - from;
-        let distance_squared = edge.length_squared();
-        let cos = point.geometric_normal.dot(edge) / distance_squared.sqrt();
-        Some((point, density.to_solid_angle(cos, distance_squared)?))
+        Some((point, as_direction(density, from, &point)?))
     }
 
     /// Density with which [`ShapeModel::sample_toward`] makes the direction to `point`.
     fn density_toward(&self, from: Vec3, point: &SurfacePoint) -> SolidAngleDensity {
-        let edge = point.position - from;
-        let distance_squared = edge.length_squared();
-        let cos = point.geometric_normal.dot(edge) / distance_squared.sqrt();
         let density = AreaDensity((1.0 / self.area()) as f32);
-        density
-            .to_solid_angle(cos, distance_squared)
-            .unwrap_or_default()
+        as_direction(density, from, point).unwrap_or_default()
     }
+}
+
+/// A density of points as that of the directions in which `from` sees them.
+fn as_direction(
+    density: AreaDensity,
+    from: Vec3,
+    point: &SurfacePoint,
+) -> Option<SolidAngleDensity> {
+    let edge = point.position - from;
+    let distance_squared = edge.length_squared();
+    let cos = point.geometric_normal.dot(edge) / distance_squared.sqrt();
+    density.to_solid_angle(cos, distance_squared)
 }
 
 /// Writes the enum of all shapes and forwards [`ShapeModel`] to its variants.
@@ -114,6 +149,12 @@ macro_rules! shape_models {
 }
 
 shape_models! {
+    /// The round wall of a cylinder.
+    Cylinder,
+    /// A flat disk.
+    Disk,
+    /// A sphere.
+    Sphere,
     /// Triangles that share vertices.
     TriangleMesh,
 }

@@ -1,5 +1,6 @@
 //! Triangles that share vertices.
 
+use super::mesh::MeshData;
 use super::{ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
@@ -126,6 +127,22 @@ impl TriangleMesh {
         }
         (to_b * dv.y - to_c * du.y) / determinant
     }
+}
+
+impl From<MeshData> for TriangleMesh {
+    /// Hands the buffers over; the mesh must have passed [`MeshData::validate`].
+    fn from(mesh: MeshData) -> Self {
+        let normals = mesh.normals.map(vectors);
+        let uvs = mesh
+            .uvs
+            .map(|uvs| uvs.into_iter().map(Vec2::from_array).collect());
+        let vertices = VertexBuffer::new(mesh.positions);
+        Self::new(vertices, IndexBuffer::new(mesh.indices), normals, uvs)
+    }
+}
+
+fn vectors(arrays: Vec<[f32; 3]>) -> Vec<Vec3> {
+    arrays.into_iter().map(Vec3::from_array).collect()
 }
 
 impl ShapeModel for TriangleMesh {

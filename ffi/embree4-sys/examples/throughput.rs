@@ -20,8 +20,9 @@ type Vector = [f32; 3];
 /// Four corners in order around the quadrilateral.
 type Quad = [Vector; 4];
 
-const RAY_COUNT: usize = 1_000_000;
-const ROUNDS: usize = 7;
+/// Few enough that a round takes milliseconds and some rounds are not interrupted.
+const RAY_COUNT: usize = 50_000;
+const ROUNDS: usize = 100;
 const LAMP_HEIGHT: f32 = 0.998;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,7 +1,11 @@
 //! What the C callbacks need to know about a sphere, disk or cylinder, computed once.
 //!
-//! Spheres are user geometries too, not Embree's own sphere points.
-// Measured on one core with 4.4.0, see `sphere_rationale` below.
+//! Spheres are user geometries too, not Embree's sphere points, which lose on both counts. In a box
+//! with two spheres they trace 8.4 million diffuse bounces a second on one core (4.4.0; 8.1 with
+//! 3.13.5) against 9.6 (9.2) here, and they compute in single precision: on a unit sphere the worst
+//! point that the normal stands for is off by 4e-7 from just inside, 2e-6 from a distance of 3 and
+//! 6e-5 from 100, against 5e-8, the rounding of the normal itself, from everywhere here; from 10⁶
+//! away they miss some rays that hit.
 
 use crate::bindings::{self, ShimShape};
 use crate::buffers::VertexBuffer;

@@ -44,6 +44,7 @@ mod scene;
 
 /// What bindgen made of `csrc/shim.h` and the installed headers.
 #[expect(
+    clippy::allow_attributes,
     dead_code,
     non_snake_case,
     unreachable_pub,

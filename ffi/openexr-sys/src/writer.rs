@@ -139,18 +139,16 @@ fn write_header(
         .map(|channel| to_name(channel.name))
         .collect::<Result<Vec<_>, _>>()?;
     let raw = context.raw();
-    let has_long_name = channels
-        .iter()
-        .map(|channel| channel.name)
-        .chain(layout.attributes.keys().map(String::as_str))
-        .any(|name| name.len() > MAX_SHORT_NAME);
     let (data, display) = (
         layout.data_window.to_shim(),
         layout.display_window.to_shim(),
     );
     // SAFETY: an open context, strings that end with zero, valid windows; the library copies them.
     unsafe {
-        context.check(c::exr_set_longname_support(raw, i32::from(has_long_name)))?;
+        context.check(c::exr_set_longname_support(
+            raw,
+            i32::from(has_long_name(layout, channels)),
+        ))?;
         let mut part = 0;
         context.check(c::exr_add_part(
             raw,
@@ -189,6 +187,16 @@ fn write_header(
     // SAFETY: an open context.
     context.check(unsafe { c::exr_write_header(raw) })?;
     Ok(names)
+}
+
+/// True when readers from before `OpenEXR` 2 would refuse a name.
+fn has_long_name(layout: &Layout, channels: &[Channel]) -> bool {
+    let attributes = layout.attributes.keys().map(String::as_str);
+    let mut names = channels
+        .iter()
+        .map(|channel| channel.name)
+        .chain(attributes);
+    names.any(|name| name.len() > MAX_SHORT_NAME)
 }
 
 fn type_code(precision: Precision) -> c::exr_pixel_type_t {

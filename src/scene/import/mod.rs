@@ -3,17 +3,26 @@
 //! [`import`] reads a Mitsuba scene file of any generation into an [`Imported`]: the scene, its
 //! views, and what the file asks of the integrator. All problems of the file are reported at once.
 
+mod bsdfs;
+mod emitters;
+mod integrators;
+mod loader;
 pub mod mesh;
+mod shapes;
+mod textures;
+mod views;
 pub mod xml;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::Scene;
 use super::options::Options;
 use crate::film::{Filter, Window};
 use crate::random::SamplerKind;
 use crate::sensor::Sensor;
-use xml::{Diagnostic, Location};
+use loader::Loader;
+use xml::{Diagnostic, ElementKind, Location};
 
 /// How to import a scene.
 #[derive(Clone, Debug, Default)]
@@ -75,4 +84,130 @@ pub struct IntegratorRequest {
     pub aovs: Vec<String>,
     /// Whether a `moment` integrator stands around it.
     pub second_moment: bool,
+}
+
+/// Why a scene was not imported.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// The scene file cannot be read.
+    #[error(transparent)]
+    Read(#[from] xml::ReadError),
+    /// The file has errors.
+    #[error("{}", all_of(.0))]
+    Scene(Vec<Diagnostic>),
+}
+
+/// The diagnostics, a line each.
+fn all_of(diagnostics: &[Diagnostic]) -> String {
+    diagnostics
+        .iter()
+        .map(Diagnostic::to_string)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// Reads a Mitsuba scene file of any generation.
+///
+/// Lengths are taken as metres, angles in the file are degrees, colours are linear Rec.709. Relative
+/// file names are looked up from the folder of the file that holds them.
+///
+/// # Errors
+/// [`ImportError::Read`] when `file` cannot be read; [`ImportError::Scene`] with all problems of the
+/// file, warnings included, in the order of the file.
+pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let document = xml::read_file(file, &options.read)?;
+    let mut loader = Loader::new(&document.tree, &document.problems);
+    let (views, integrator) = loader.load(options);
+    let hash = loader.hash();
+    let scene = match loader.finish() {
+        Some(scene) if !document.problems.has_errors() => scene,
+        _ => return Err(ImportError::Scene(document.problems.sorted())),
+    };
+    let warnings = document.problems.sorted();
+    Ok(Imported {
+        scene,
+        views,
+        integrator,
+        warnings,
+        hash,
+    })
+}
+
+impl Loader<'_> {
+    /// Builds everything that stands in the scene element.
+    fn load(&mut self, options: &ImportOptions) -> (Vec<View>, IntegratorRequest) {
+        let root = self.tree.root();
+        let mut reader = self.reader(root);
+        self.take_tree_into_hash(options);
+        // Materials that no shape uses are read, too: their problems count.
+        for bsdf in reader.children(ElementKind::Bsdf) {
+            self.bsdf(bsdf);
+        }
+        for shape in reader.children(ElementKind::Shape) {
+            self.shape(shape);
+        }
+        let used_in_shapes = self.area_lights.clone();
+        for emitter in reader.children(ElementKind::Emitter) {
+            if !used_in_shapes.contains(&emitter) {
+                self.emitter(emitter);
+            }
+        }
+        let sensors = reader.children(ElementKind::Sensor);
+        if sensors.is_empty() {
+            self.problems
+                .error(self.location(root), "the scene has no sensor");
+        }
+        let views = sensors
+            .into_iter()
+            .filter_map(|id| self.view(id, options.film_size))
+            .collect();
+        let integrator = reader.child(ElementKind::Integrator);
+        let integrator = integrator.map(|id| self.integrator(id)).unwrap_or_default();
+        self.warn_of_media(&mut reader);
+        // Textures, films and the like at the top are only there to be referred to.
+        for kind in [
+            ElementKind::Film,
+            ElementKind::ReconstructionFilter,
+            ElementKind::Sampler,
+            ElementKind::Texture,
+            ElementKind::Phase,
+            ElementKind::Volume,
+        ] {
+            reader.children(kind);
+        }
+        reader.finish();
+        (views, integrator)
+    }
+
+    /// Takes what the file says into the hash, parameters from the command line included.
+    fn take_tree_into_hash(&self, options: &ImportOptions) {
+        for id in self.tree.ids() {
+            let element = &self.tree[id];
+            let properties = element
+                .properties
+                .iter()
+                .map(|p| (&p.name.normalised, &p.value));
+            let properties: Vec<_> = properties.collect();
+            let children: Vec<_> = element.children.iter().map(|child| child.element).collect();
+            let text = format!(
+                "{:?} {} {properties:?} {children:?}",
+                element.kind, element.plugin
+            );
+            self.take_into_hash(text.as_bytes());
+        }
+        self.take_into_hash(format!("{:?}", options.film_size).as_bytes());
+    }
+
+    /// Builds the scene; `None` after noting why there is none.
+    fn finish(self) -> Option<Scene> {
+        let root = self.location(self.tree.root());
+        if self.problems.has_errors() {
+            return None;
+        }
+        self.builder
+            .build()
+            .map_err(|error| self.problems.error(root, error.to_string()))
+            .ok()
+    }
 }

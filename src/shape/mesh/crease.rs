@@ -47,8 +47,7 @@ impl MeshData {
                         .for_each(|n| n.push(cluster_normals[cluster]));
                     rebuilt.uvs.iter_mut().for_each(|uvs| uvs.extend(uv));
                 }
-                // At most three vertices per triangle: `validate` reports an overflow, as it
-                // finds the vertex count too large.
+                // A number beyond u32 means too many vertices, which `validate` reports.
                 new_corners[corner] = u32::try_from(vertex).unwrap_or(u32::MAX);
             }
             rebuilt.indices.push(new_corners);

@@ -6,14 +6,23 @@ use std::path::PathBuf;
 
 use crate::shape::mesh::MeshFlaw;
 
-/// A mesh file that cannot be used, printed as `model.obj: line 12: …`.
+/// A mesh file that cannot be used, printed as `model.obj: line 12: …` or, for one shape of
+/// several in a file, `model.serialized: shape 3: …`.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {problem}", file.display())]
+#[error("{}: {}{problem}", file.display(), shape_prefix(*shape))]
 pub struct MeshError {
     /// The file, as it was named by the caller.
     pub file: PathBuf,
+    /// Index of the shape within a serialized file, from 0.
+    pub shape: Option<usize>,
     /// What is wrong with it.
     pub problem: MeshProblem,
+}
+
+fn shape_prefix(shape: Option<usize>) -> String {
+    shape
+        .map(|shape| format!("shape {shape}: "))
+        .unwrap_or_default()
 }
 
 /// What can be wrong with a mesh file.
@@ -41,14 +50,14 @@ pub enum MeshProblem {
     },
     /// A header announces more data than the rest of the file can hold; found before any memory
     /// is set aside for it.
-    #[error("{place}: {claim}, which the rest of the file ({available} bytes) cannot hold")]
+    #[error("{place}: {claim}, which the rest of the file (at most {available} bytes) cannot hold")]
     TooLarge {
         /// Where the claim stands or the data should begin.
         place: Place,
         /// What is announced.
         claim: String,
-        /// Bytes that are left in the file.
-        available: usize,
+        /// Bytes that are left in the file, after inflating where it is compressed.
+        available: u64,
     },
     /// A coordinate is infinite, not a number, or too large for a 32-bit float.
     #[error("{place}: {what} is not a finite number")]
@@ -94,13 +103,8 @@ pub enum Place {
     Line(usize),
     /// Offset in a binary file, from 0.
     Byte(usize),
-    /// Offset in the inflated data of a shape (from 0) of a serialized file.
-    Shape {
-        /// Index of the shape.
-        shape: usize,
-        /// Offset after inflating.
-        byte: u64,
-    },
+    /// Offset in the inflated data of a shape of a serialized file, from 0.
+    InflatedByte(u64),
 }
 
 impl fmt::Display for Place {
@@ -108,7 +112,7 @@ impl fmt::Display for Place {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
             Self::Byte(byte) => write!(f, "byte {byte}"),
-            Self::Shape { shape, byte } => write!(f, "shape {shape}, byte {byte} inflated"),
+            Self::InflatedByte(byte) => write!(f, "byte {byte} of the inflated data"),
         }
     }
 }

@@ -11,6 +11,7 @@
 mod error;
 pub mod obj;
 pub mod ply;
+pub mod serialized;
 
 pub use error::{MeshError, MeshProblem, Place};
 
@@ -33,25 +34,20 @@ pub struct ImportedMesh {
 
 impl ImportedMesh {
     /// The last steps common to all formats: checks the mesh and makes its normals unit.
-    fn finish(
-        data: MeshData,
-        name: Option<String>,
-        mut warnings: Vec<String>,
-    ) -> Result<Self, MeshProblem> {
-        let mut checked = data;
-        if checked.indices.is_empty() {
+    fn finish(mut data: MeshData, mut warnings: Vec<String>) -> Result<Self, MeshProblem> {
+        if data.indices.is_empty() {
             return Err(MeshProblem::Empty);
         }
-        let computed = checked.repair_normals();
+        let computed = data.repair_normals();
         if computed > 0 {
             warnings.push(format!(
-                "{computed} missing or zero vertex normals were computed"
+                "vertex normals missing or zero, computed: {computed}"
             ));
         }
-        checked.validate().map_err(MeshProblem::Flawed)?;
+        data.validate().map_err(MeshProblem::Flawed)?;
         Ok(Self {
-            data: checked,
-            name,
+            data,
+            name: None,
             face_normals: false,
             warnings,
         })
@@ -68,6 +64,7 @@ fn read_with<T>(
         .and_then(parse)
         .map_err(|problem| MeshError {
             file: file.to_owned(),
+            shape: None,
             problem,
         })
 }

@@ -238,18 +238,18 @@ impl Reader {
         let mut warnings = Vec::new();
         if 0 < without_uv && without_uv < self.vertices.len() {
             warnings.push(format!(
-                "{without_uv} vertices lack texture coordinates: (0, 0) used"
+                "vertices without texture coordinates, (0, 0) used: {without_uv}"
             ));
         }
         if self.short_faces > 0 {
             warnings.push(format!(
-                "{} faces of less than 3 corners ignored",
+                "faces of less than 3 corners, ignored: {}",
                 self.short_faces
             ));
         }
         if self.lines_and_curves > 0 {
             warnings.push(format!(
-                "{} points, lines or curves ignored",
+                "points, lines or curves, ignored: {}",
                 self.lines_and_curves
             ));
         }
@@ -274,7 +274,7 @@ impl Reader {
                 .then(|| vertices.iter().map(normal).collect()),
             uvs: (without_uv < vertices.len()).then(|| vertices.iter().map(uv).collect()),
         };
-        ImportedMesh::finish(data, None, warnings)
+        ImportedMesh::finish(data, warnings)
     }
 }
 
@@ -296,7 +296,7 @@ fn numbers<'a>(
                 break;
             }
             return Err(syntax(format!(
-                "{keyword} needs {required} numbers and has {found}"
+                "{keyword} has {found} of {required} numbers"
             )));
         };
         let parsed = std::str::from_utf8(word)

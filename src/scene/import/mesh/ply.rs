@@ -64,16 +64,16 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
     let mut warnings = Vec::new();
     if faces.short > 0 {
         warnings.push(format!(
-            "{} faces of less than 3 corners ignored",
+            "faces of less than 3 corners, ignored: {}",
             faces.short
         ));
     }
     let trailing = body.trailing();
     if trailing > 0 {
-        warnings.push(format!("{trailing} bytes after the last element ignored"));
+        warnings.push(format!("bytes after the last element, ignored: {trailing}"));
     }
     mesh.indices = faces.triangles;
-    ImportedMesh::finish(mesh, None, warnings)
+    ImportedMesh::finish(mesh, warnings)
 }
 
 /// Where a vertex property goes in the eight numbers x, y, z, nx, ny, nz, u, v.

@@ -35,6 +35,8 @@ pub struct Diagnostic {
     pub location: Option<Location>,
     /// A lower-case sentence: what was found, what was expected, what may have been meant.
     pub message: String,
+    /// True when `--lenient` let something else stand in for what the file says.
+    pub is_replacement: bool,
 }
 
 impl fmt::Display for Diagnostic {
@@ -83,15 +85,29 @@ impl Diagnostics {
         self.push(self.warning_severity(), None, message);
     }
 
-    /// Notes an unknown plugin or a missing file: an error, or a warning under `--lenient`.
-    pub fn unsupported(&self, location: &Location, message: impl Into<String>) {
-        let lenient = self.strictness == Strictness::Lenient;
-        let severity = if lenient {
+    /// Notes an unknown plugin or a missing file: an error, or under `--lenient` a replacement.
+    ///
+    /// - `instead`: what happens under `--lenient`, such as "left out".
+    pub fn unsupported(&self, location: &Location, message: impl Into<String>, instead: &str) {
+        let mut message = message.into();
+        let is_replacement = self.strictness == Strictness::Lenient;
+        let severity = if is_replacement {
             Severity::Warning
         } else {
             Severity::Error
         };
-        self.push(severity, Some(location), message.into());
+        if is_replacement {
+            message.push_str("; ");
+            message.push_str(instead);
+        }
+        let location = Some(location.clone());
+        let diagnostic = Diagnostic {
+            severity,
+            location,
+            message,
+            is_replacement,
+        };
+        self.found.borrow_mut().push(diagnostic);
     }
 
     /// True when anything noted so far is an error.
@@ -130,6 +146,7 @@ impl Diagnostics {
             severity,
             location,
             message,
+            is_replacement: false,
         });
     }
 }

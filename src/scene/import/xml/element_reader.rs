@@ -30,6 +30,15 @@ pub enum ScalarSource {
     Texture(ElementId),
 }
 
+/// A number, or a name that stands for one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NumberOrName<'a> {
+    /// The number itself.
+    Number(f32),
+    /// The name of a substance, say.
+    Name(&'a str),
+}
+
 /// Reads the properties and children of one element by name.
 ///
 /// Names are in snake case. Getters note values of the wrong type and then behave as if the
@@ -83,6 +92,16 @@ impl<'a> ElementReader<'a> {
         self.value(name, "a float", |value| match value {
             PropertyValue::Float(number) => Some(*number as f32),
             PropertyValue::Integer(number) => Some(*number as f32),
+            _ => None,
+        })
+    }
+
+    /// A number or a name that stands for one, if there is either.
+    pub fn number_or_name(&mut self, name: &str) -> Option<NumberOrName<'a>> {
+        self.value(name, "a float or a string", |value| match value {
+            PropertyValue::Float(number) => Some(NumberOrName::Number(*number as f32)),
+            PropertyValue::Integer(number) => Some(NumberOrName::Number(*number as f32)),
+            PropertyValue::String(text) => Some(NumberOrName::Name(text)),
             _ => None,
         })
     }

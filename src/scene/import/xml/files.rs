@@ -60,7 +60,8 @@ impl FileFinder {
         problems: &Diagnostics,
     ) -> Option<PathBuf> {
         let Some(found) = self.find(name, location.source.folder()) else {
-            problems.unsupported(location, self.missing(name, location.source.folder()));
+            let missing = self.missing(name, location.source.folder());
+            problems.unsupported(location, missing, "left out");
             return None;
         };
         if !found.exact {

@@ -33,7 +33,7 @@ mod tests;
 pub use builder::{Document, ReadError, ReadOptions, read_file, read_string};
 pub use colour::{Colour, ColourUse};
 pub use diagnostics::{Diagnostic, Diagnostics, Severity, Strictness};
-pub use element_reader::{ColourSource, ElementReader, ScalarSource};
+pub use element_reader::{ColourSource, ElementReader, NumberOrName, ScalarSource};
 pub use kinds::ElementKind;
 pub use names::Name;
 pub use source::{Location, Source};

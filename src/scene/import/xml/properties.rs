@@ -230,7 +230,8 @@ impl Builder {
             other => {
                 let hint = did_you_mean(other, SPECTRUM_TYPES);
                 let message = format!("unknown spectrum {}{hint}", shown(other));
-                self.problems.unsupported(&kind.location, message);
+                self.problems
+                    .unsupported(&kind.location, message, "ignored");
                 return None;
             }
         };

@@ -93,8 +93,8 @@ fn a_part_without_normals_or_coordinates_is_filled_in() {
     assert_eq!(
         mesh.warnings,
         [
-            "3 vertices lack texture coordinates: (0, 0) used",
-            "3 missing or zero vertex normals were computed"
+            "vertices without texture coordinates, (0, 0) used: 3",
+            "vertex normals missing or zero, computed: 3"
         ]
     );
 }
@@ -107,7 +107,7 @@ fn zero_and_nan_normals_are_computed() {
     assert_eq!(normals[2], [0., 0.6, 0.8]);
     assert_eq!(
         mesh.warnings,
-        ["2 missing or zero vertex normals were computed"]
+        ["vertex normals missing or zero, computed: 2"]
     );
 }
 
@@ -118,8 +118,8 @@ fn points_lines_and_two_cornered_faces_are_left_out_with_a_warning() {
     assert_eq!(
         mesh.warnings,
         [
-            "1 faces of less than 3 corners ignored",
-            "2 points, lines or curves ignored"
+            "faces of less than 3 corners, ignored: 1",
+            "points, lines or curves, ignored: 2"
         ]
     );
 }
@@ -135,13 +135,10 @@ fn odd_spelling_is_understood() {
 
 #[test]
 fn malformed_lines_are_named() {
-    assert_eq!(
-        message("\n\nv 1 2\n"),
-        "line 3: v needs 3 numbers and has 2"
-    );
+    assert_eq!(message("\n\nv 1 2\n"), "line 3: v has 2 of 3 numbers");
     assert_eq!(message("v 1 2 x\n"), "line 1: \"x\" is not a number");
-    assert_eq!(message("vt\n"), "line 1: vt needs 1 numbers and has 0");
-    assert_eq!(message("vn 1 2\n"), "line 1: vn needs 3 numbers and has 2");
+    assert_eq!(message("vt\n"), "line 1: vt has 0 of 1 numbers");
+    assert_eq!(message("vn 1 2\n"), "line 1: vn has 2 of 3 numbers");
     assert_eq!(
         message("v 1 2 inf\n"),
         "line 1: a vertex coordinate is not a finite number"
@@ -236,7 +233,7 @@ fn messages_carry_the_file() {
     std::fs::write(&file, "v 0\n").unwrap();
     let broken = read(&file, true).unwrap_err().to_string();
     assert!(
-        broken.ends_with("model.obj: line 1: v needs 3 numbers and has 1"),
+        broken.ends_with("model.obj: line 1: v has 1 of 3 numbers"),
         "{broken}"
     );
 }

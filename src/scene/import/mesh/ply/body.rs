@@ -53,7 +53,7 @@ impl<'a> Body<'a> {
             _ => Err(MeshProblem::TooLarge {
                 place: Place::Line(element.line),
                 claim: format!("{} rows of {} are announced", element.count, element.name),
-                available: self.available(),
+                available: self.available() as u64,
             }),
         }
     }
@@ -97,7 +97,7 @@ impl<'a> Body<'a> {
         let too_large = |length: &str| MeshProblem::TooLarge {
             place: self.place(),
             claim: format!("{} {} has a list of {length} items", self.element, self.row),
-            available: self.available(),
+            available: self.available() as u64,
         };
         let length = usize::try_from(length)
             .map_err(|_| self.syntax(format!("{length} is not a length of a list")))?;

@@ -150,8 +150,8 @@ fn short_faces_and_trailing_bytes_give_a_warning() {
     assert_eq!(
         mesh.warnings,
         [
-            "2 faces of less than 3 corners ignored",
-            "5 bytes after the last element ignored"
+            "faces of less than 3 corners, ignored: 2",
+            "bytes after the last element, ignored: 5"
         ]
     );
 }
@@ -171,7 +171,7 @@ fn zero_normals_are_computed() {
     );
     assert_eq!(
         mesh.warnings,
-        ["2 missing or zero vertex normals were computed"]
+        ["vertex normals missing or zero, computed: 2"]
     );
 }
 
@@ -243,7 +243,7 @@ fn claims_are_checked_before_memory_is_set_aside() {
     assert_eq!(
         message(format!("{huge}0 0 0\n").as_bytes()),
         "line 3: 900000000000 rows of vertex are announced, \
-         which the rest of the file (6 bytes) cannot hold"
+         which the rest of the file (at most 6 bytes) cannot hold"
     );
     let more = HEADER.replace("face 1", &format!("face {}", usize::MAX));
     assert!(
@@ -254,7 +254,7 @@ fn claims_are_checked_before_memory_is_set_aside() {
     assert_eq!(
         message_of_rows("0 0 0 0 0 0 0 0 0 3000 0 1 2"),
         "line 10: face 0 has a list of 3000 items, \
-         which the rest of the file (6 bytes) cannot hold"
+         which the rest of the file (at most 6 bytes) cannot hold"
     );
     let nothing = HEADER.replace(
         "element vertex",

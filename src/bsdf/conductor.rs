@@ -1,0 +1,108 @@
+//! Smooth metal.
+
+use super::fresnel::ComplexIor;
+use super::{BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
+use crate::shape::SurfacePoint;
+use crate::texture::{Texture, TextureModel};
+
+/// A mirror of metal on the front side; black from behind.
+#[derive(Clone, Debug)]
+pub struct Conductor {
+    ior: Option<ComplexIor>,
+    specular_reflectance: Texture,
+}
+
+impl Conductor {
+    /// Makes the material.
+    ///
+    /// - `ior`: index of the metal over that of the outside; `None` for a mirror that reflects all.
+    /// - `specular_reflectance`: factor on the reflectance; 1 is physical.
+    pub fn new(ior: Option<ComplexIor>, specular_reflectance: impl Into<Texture>) -> Self {
+        Self {
+            ior,
+            specular_reflectance: specular_reflectance.into(),
+        }
+    }
+
+    /// The mirror direction and its coefficient; `None` from behind.
+    #[inline]
+    fn event(&self, wi: Local, at: &SurfacePoint) -> Option<DiracEvent> {
+        (wi.cos() > 0.0).then(|| DiracEvent {
+            direction: wi.mirrored(),
+            coefficient: conductor_reflectance(self.ior.as_ref(), wi.cos())
+                * self.specular_reflectance.colour(at.uv),
+            probability: 1.0,
+            lobe: Lobe::Specular,
+            eta: 1.0,
+        })
+    }
+}
+
+/// Reflectance of a metal, or of a perfect mirror where there is no index.
+#[inline]
+pub(super) fn conductor_reflectance(ior: Option<&ComplexIor>, cos: f32) -> Rgb {
+    ior.map_or(Rgb::WHITE, |ior| ior.reflectance(cos))
+}
+
+/// Gold against air: what the examples are made of.
+pub(super) const EXAMPLE_METAL: ComplexIor = ComplexIor {
+    eta: Rgb::new(0.143, 0.375, 1.442),
+    k: Rgb::new(3.983, 2.386, 1.603),
+};
+
+impl BsdfModel for Conductor {
+    fn examples() -> Vec<Self> {
+        vec![
+            Self::new(None, 1.0),
+            Self::new(Some(EXAMPLE_METAL), Rgb::new(1.0, 0.8, 0.5)),
+        ]
+    }
+
+    fn lobes(&self) -> LobeSet {
+        LobeSet {
+            dirac: true,
+            ..LobeSet::default()
+        }
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        _transport: Transport,
+        _u_lobe: f32,
+        _u: Vec2,
+    ) -> Option<BsdfSample> {
+        self.event(wi, at)?.sampled(Component(0))
+    }
+
+    #[inline]
+    fn eval(&self, _wi: Local, _wo: Local, _at: &SurfacePoint, _transport: Transport) -> Rgb {
+        Rgb::BLACK
+    }
+
+    #[inline]
+    fn density(&self, _wi: Local, _wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+        SolidAngleDensity::ZERO
+    }
+
+    fn follow(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        _transport: Transport,
+        component: Component,
+    ) -> Option<DiracEvent> {
+        (component.0 == 0).then(|| self.event(wi, at)).flatten()
+    }
+
+    fn component_count(&self) -> u8 {
+        1
+    }
+
+    fn albedo(&self, at: &SurfacePoint) -> Rgb {
+        conductor_reflectance(self.ior.as_ref(), 1.0) * self.specular_reflectance.colour(at.uv)
+    }
+}

@@ -1,0 +1,77 @@
+//! No surface at all.
+
+use super::{BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
+use crate::shape::SurfacePoint;
+
+/// A boundary that light does not notice, such as the hull of a medium.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Null;
+
+impl Null {
+    /// The event of every direction: straight on, unchanged.
+    #[inline]
+    fn event(wi: Local) -> DiracEvent {
+        DiracEvent {
+            direction: wi.straight_on(),
+            coefficient: Rgb::WHITE,
+            probability: 1.0,
+            lobe: Lobe::Null,
+            eta: 1.0,
+        }
+    }
+}
+
+impl BsdfModel for Null {
+    fn examples() -> Vec<Self> {
+        vec![Self]
+    }
+
+    fn lobes(&self) -> LobeSet {
+        LobeSet {
+            finite: false,
+            dirac: true,
+            transmission: true,
+        }
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+        _u_lobe: f32,
+        _u: Vec2,
+    ) -> Option<BsdfSample> {
+        Self::event(wi).sampled(Component(0))
+    }
+
+    #[inline]
+    fn eval(&self, _wi: Local, _wo: Local, _at: &SurfacePoint, _transport: Transport) -> Rgb {
+        Rgb::BLACK
+    }
+
+    #[inline]
+    fn density(&self, _wi: Local, _wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+        SolidAngleDensity::ZERO
+    }
+
+    fn follow(
+        &self,
+        wi: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+        component: Component,
+    ) -> Option<DiracEvent> {
+        (component.0 == 0).then(|| Self::event(wi))
+    }
+
+    fn component_count(&self) -> u8 {
+        1
+    }
+
+    fn albedo(&self, _at: &SurfacePoint) -> Rgb {
+        Rgb::WHITE
+    }
+}

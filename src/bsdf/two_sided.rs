@@ -1,0 +1,183 @@
+//! One material for each side of a surface.
+
+use super::{
+    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, Dielectric, Diffuse, DiracEvent, LobeSet,
+    Plastic, RoughConductor, Transport,
+};
+use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
+use crate::shape::SurfacePoint;
+
+/// Two opaque materials back to back, or one that is the same from both sides.
+///
+/// Components: the front's, then the back's; with one material for both sides, its own.
+#[derive(Clone, Debug)]
+pub struct TwoSided {
+    front: Box<Bsdf>,
+    back: Option<Box<Bsdf>>,
+}
+
+impl TwoSided {
+    /// Makes the material.
+    ///
+    /// - `front`: seen from the side that the normal points to.
+    /// - `back`: seen from the other side, turned over; `None` for the same as the front.
+    ///
+    /// # Errors
+    /// [`BsdfError::NestedTransmission`] when one of them lets light through.
+    pub fn new(front: impl Into<Bsdf>, back: Option<Bsdf>) -> Result<Self, BsdfError> {
+        let front = front.into();
+        let transmits = |bsdf: &Bsdf| bsdf.lobes().transmission;
+        if transmits(&front) || back.as_ref().is_some_and(transmits) {
+            return Err(BsdfError::NestedTransmission);
+        }
+        Ok(Self {
+            front: Box::new(front),
+            back: back.map(Box::new),
+        })
+    }
+
+    /// The material behind the front's, or the front's for both.
+    #[inline]
+    fn behind(&self) -> &Bsdf {
+        self.back.as_ref().unwrap_or(&self.front)
+    }
+
+    /// The material that `wi` sees, and how to turn directions into its frame and back.
+    #[inline]
+    fn side(&self, wi: Local) -> (&Bsdf, Turn) {
+        if wi.cos() > 0.0 {
+            (&self.front, Turn(1.0))
+        } else {
+            (self.behind(), Turn(-1.0))
+        }
+    }
+
+    /// Number of the first component of the side that `wi` sees.
+    #[inline]
+    fn first_component(&self, wi: Local) -> u8 {
+        if wi.cos() > 0.0 || self.back.is_none() {
+            0
+        } else {
+            self.front.component_count()
+        }
+    }
+}
+
+/// Factor on the normal's part of a direction: 1 leaves it, -1 turns it over.
+#[derive(Clone, Copy)]
+struct Turn(f32);
+
+impl Turn {
+    #[inline]
+    fn over(self, direction: Local) -> Local {
+        Local::new(direction.0.x, direction.0.y, direction.0.z * self.0)
+    }
+}
+
+impl BsdfModel for TwoSided {
+    fn examples() -> Vec<Self> {
+        let front_and_back = [
+            (Bsdf::from(Diffuse::new(0.5)), None),
+            (
+                Diffuse::new(Rgb::new(0.8, 0.2, 0.1)).into(),
+                RoughConductor::examples().pop().map(Bsdf::from),
+            ),
+        ];
+        let coats = Plastic::examples().into_iter().map(|plastic| {
+            let front = super::Conductor::new(None, 0.9);
+            (front.into(), Some(Bsdf::from(plastic)))
+        });
+        front_and_back
+            .into_iter()
+            .chain(coats)
+            .filter_map(|(front, back)| Self::new(front, back).ok())
+            .collect()
+    }
+
+    fn lobes(&self) -> LobeSet {
+        self.front.lobes().union(self.behind().lobes())
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
+        let (bsdf, turn) = self.side(wi);
+        let mut sample = bsdf.sample(turn.over(wi), at, transport, u_lobe, u)?;
+        sample.direction = turn.over(sample.direction);
+        if sample.lobe.is_dirac() {
+            sample.component.0 += self.first_component(wi);
+        }
+        Some(sample)
+    }
+
+    #[inline]
+    fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb {
+        let (bsdf, turn) = self.side(wi);
+        bsdf.eval(turn.over(wi), turn.over(wo), at, transport)
+    }
+
+    #[inline]
+    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+        let (bsdf, turn) = self.side(wi);
+        bsdf.density(turn.over(wi), turn.over(wo), at)
+    }
+
+    #[inline]
+    fn eval_with_density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> (Rgb, SolidAngleDensity) {
+        let (bsdf, turn) = self.side(wi);
+        bsdf.eval_with_density(turn.over(wi), turn.over(wo), at, transport)
+    }
+
+    fn follow(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        component: Component,
+    ) -> Option<DiracEvent> {
+        let (bsdf, turn) = self.side(wi);
+        let nested = component.0.checked_sub(self.first_component(wi))?;
+        let event = bsdf.follow(turn.over(wi), at, transport, Component(nested))?;
+        Some(DiracEvent {
+            direction: turn.over(event.direction),
+            ..event
+        })
+    }
+
+    fn component_count(&self) -> u8 {
+        let behind = self.back.as_ref().map_or(0, |back| back.component_count());
+        self.front.component_count() + behind
+    }
+
+    fn albedo(&self, at: &SurfacePoint) -> Rgb {
+        self.front.albedo(at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn glass_cannot_be_two_sided() {
+        for glass in Dielectric::examples() {
+            assert!(matches!(
+                TwoSided::new(glass.clone(), None),
+                Err(BsdfError::NestedTransmission)
+            ));
+            assert!(TwoSided::new(Diffuse::new(0.5), Some(glass.into())).is_err());
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Lights that are no surfaces.
+
+use super::loader::Loader;
+use super::xml::{ColourSource, ColourUse, ElementId, ElementReader};
+use crate::emitter::{Constant, Directional, Emitter, Envmap, Point, Spot};
+use crate::math::{Rgb, Transform, Vec3};
+use crate::texture::Texture;
+
+/// The plugins that are read, for "did you mean".
+const KNOWN: [&str; 6] = ["area", "constant", "directional", "envmap", "point", "spot"];
+
+impl Loader<'_> {
+    /// Builds a light and adds it to the scene; what cannot be built is noted.
+    pub(super) fn emitter(&mut self, id: ElementId) {
+        let mut reader = self.reader(id);
+        reader.ignore(&["sampling_weight"]);
+        let built: Option<Emitter> = match reader.plugin() {
+            "point" => Some(self.point(&mut reader).into()),
+            "spot" => self.spot(&mut reader),
+            "directional" => self.directional(&mut reader),
+            "constant" => {
+                let radiance = reader.colour("radiance", ColourUse::Emission);
+                Some(Constant::new(radiance.unwrap_or(Rgb::WHITE)).into())
+            }
+            "envmap" => self.envmap(&mut reader),
+            "area" => {
+                self.problems
+                    .error(self.location(id), "emitter \"area\" belongs into a shape");
+                None
+            }
+            "sky" | "sun" | "sunsky" => {
+                self.unknown_plugin(
+                    id,
+                    KNOWN,
+                    "a constant environment of radiance 1 is used instead",
+                );
+                self.builder.add_emitter(Constant::new(Rgb::WHITE));
+                return;
+            }
+            _ => {
+                self.unknown_plugin(id, KNOWN, "left out");
+                return;
+            }
+        };
+        reader.finish();
+        if let Some(emitter) = built {
+            self.builder.add_emitter(emitter);
+        }
+    }
+
+    /// Radiance of the area light inside a shape.
+    pub(super) fn area_radiance(&mut self, id: ElementId) -> Option<Texture> {
+        let mut reader = self.reader(id);
+        if reader.plugin() != "area" {
+            self.unknown_plugin(id, ["area"], "left out");
+            return None;
+        }
+        reader.ignore(&["sampling_weight"]);
+        let radiance = match reader.texture("radiance", ColourUse::Emission) {
+            Some(ColourSource::Constant(colour)) => Some(colour.into()),
+            Some(ColourSource::Texture(texture)) => self.texture(texture, false),
+            None => Some(1.0.into()),
+        };
+        reader.finish();
+        radiance
+    }
+
+    fn point(&self, reader: &mut ElementReader<'_>) -> Point {
+        let to_world = reader.transform("to_world");
+        let place = reader.vector3("position").unwrap_or(Vec3::ZERO);
+        let intensity = reader
+            .colour("intensity", ColourUse::Emission)
+            .unwrap_or(Rgb::WHITE);
+        Point::new(to_world.point(place), intensity)
+    }
+
+    fn spot(&mut self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
+        let to_world = reader.transform("to_world");
+        let intensity = reader
+            .colour("intensity", ColourUse::Emission)
+            .unwrap_or(Rgb::WHITE);
+        let cutoff = reader.float("cutoff_angle", 20.0);
+        let beam = reader.float("beam_width", cutoff * 0.75);
+        let texture = match reader.texture("texture", ColourUse::Reflectance) {
+            Some(ColourSource::Texture(texture)) => self.texture(texture, false),
+            Some(ColourSource::Constant(colour)) => Some(colour.into()),
+            None => None,
+        };
+        match Spot::new(to_world.matrix(), intensity, cutoff, beam, texture) {
+            Ok(spot) => Some(spot.into()),
+            Err(error) => {
+                reader.error("cutoff_angle", error.to_string());
+                None
+            }
+        }
+    }
+
+    fn directional(&self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
+        let to_world = reader.transform("to_world");
+        let direction = reader.vector3("direction");
+        let irradiance = reader
+            .colour("irradiance", ColourUse::Emission)
+            .unwrap_or(Rgb::WHITE);
+        let world = to_world
+            .vector(direction.unwrap_or(Vec3::Z))
+            .try_normalize();
+        if world.is_none() {
+            reader.error("direction", "\"direction\" has no length");
+        }
+        Some(Directional::new(world?, irradiance).into())
+    }
+
+    fn envmap(&mut self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
+        let to_world: Transform = reader.transform("to_world");
+        let scale = reader.float("scale", 1.0);
+        let file = reader.file("filename")?;
+        let location = reader.element().location.clone();
+        let bitmap = self.read_bitmap(&file, &location)?;
+        match Envmap::new(bitmap, to_world.matrix(), scale) {
+            Ok(envmap) => Some(envmap.into()),
+            Err(error) => {
+                reader.error("filename", error.to_string());
+                None
+            }
+        }
+    }
+}

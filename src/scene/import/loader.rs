@@ -1,0 +1,107 @@
+//! What the readers of all kinds of elements share.
+
+use std::cell::RefCell;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use xxhash_rust::xxh3::Xxh3;
+
+use super::mesh::serialized::SerializedFile;
+use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
+use crate::scene::{BsdfId, SceneBuilder};
+use crate::texture::Texture;
+
+/// The state of building a scene from its tree.
+///
+/// Objects that several others refer to are built once.
+pub(super) struct Loader<'t> {
+    pub(super) tree: &'t SceneTree,
+    pub(super) problems: &'t Diagnostics,
+    pub(super) builder: SceneBuilder,
+    pub(super) bsdfs: HashMap<ElementId, BsdfId>,
+    pub(super) textures: HashMap<(ElementId, bool), Option<Texture>>,
+    pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
+    /// The material of shapes that name none.
+    pub(super) default_bsdf: Option<BsdfId>,
+    /// The emitters that stand inside shapes, or that shapes refer to.
+    pub(super) area_lights: HashSet<ElementId>,
+    /// Whether the material under construction depends on the direction of the tangent, and those
+    /// that do.
+    pub(super) anisotropic: bool,
+    pub(super) needs_tangents: HashSet<BsdfId>,
+    hash: RefCell<Xxh3>,
+}
+
+impl<'t> Loader<'t> {
+    pub(super) fn new(tree: &'t SceneTree, problems: &'t Diagnostics) -> Self {
+        Self {
+            tree,
+            problems,
+            builder: SceneBuilder::new(),
+            bsdfs: HashMap::new(),
+            textures: HashMap::new(),
+            serialized: HashMap::new(),
+            default_bsdf: None,
+            area_lights: HashSet::new(),
+            anisotropic: false,
+            needs_tangents: HashSet::new(),
+            hash: RefCell::new(Xxh3::new()),
+        }
+    }
+
+    /// Starts reading an element.
+    pub(super) fn reader(&self, id: ElementId) -> ElementReader<'t> {
+        self.tree.reader(id, self.problems)
+    }
+
+    /// Where an element stands.
+    pub(super) fn location(&self, id: ElementId) -> &'t Location {
+        &self.tree[id].location
+    }
+
+    /// Reads a file that the scene uses, and takes it into the scene's hash; a file that cannot be
+    /// read is noted.
+    pub(super) fn read_bytes(&self, file: &Path, location: &Location) -> Option<Vec<u8>> {
+        match std::fs::read(file) {
+            Ok(bytes) => {
+                self.take_into_hash(&bytes);
+                Some(bytes)
+            }
+            Err(reason) => {
+                let message = format!("cannot read {}: {reason}", file.display());
+                self.problems.unsupported(location, message, "left out");
+                None
+            }
+        }
+    }
+
+    /// Takes bytes that shape the picture into the scene's hash.
+    pub(super) fn take_into_hash(&self, bytes: &[u8]) {
+        let mut hash = self.hash.borrow_mut();
+        // The length keeps one long file apart from two short ones.
+        hash.update(&(bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    }
+
+    /// The hash of all that was taken into it.
+    pub(super) fn hash(&self) -> u64 {
+        self.hash.borrow().digest()
+    }
+
+    /// Notes a plugin that this reader does not know.
+    ///
+    /// - `known`: the plugins it knows, for "did you mean".
+    /// - `instead`: what happens under `--lenient`.
+    pub(super) fn unknown_plugin<'k>(
+        &self,
+        id: ElementId,
+        known: impl IntoIterator<Item = &'k str>,
+        instead: &str,
+    ) {
+        let element = &self.tree[id];
+        let hint = did_you_mean(&element.plugin, known);
+        let message = format!("unknown {}{hint}", element.title());
+        self.problems
+            .unsupported(&element.location, message, instead);
+    }
+}

@@ -1,0 +1,105 @@
+//! Textures.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::loader::Loader;
+use super::xml::{ColourUse, ElementId, ElementReader, Location};
+use crate::image::{self, Bitmap, Transfer};
+use crate::math::{Mat3, Rgb, Vec2};
+use crate::texture::{self, Checkerboard, FilterMode, Texture, WrapMode};
+
+/// The plugins that are read, for "did you mean".
+const KNOWN: [&str; 2] = ["bitmap", "checkerboard"];
+
+impl Loader<'_> {
+    /// Builds a texture, or finds the one that was built before; `None` after noting why not.
+    ///
+    /// - `raw`: the texture holds numbers, not colours.
+    pub(super) fn texture(&mut self, id: ElementId, raw: bool) -> Option<Texture> {
+        if let Some(built) = self.textures.get(&(id, raw)) {
+            return built.clone();
+        }
+        let mut reader = self.reader(id);
+        let built = match reader.plugin() {
+            "bitmap" | "ldrtexture" | "exrtexture" => self.bitmap(&mut reader, raw),
+            "checkerboard" => Some(self.checkerboard(&mut reader)),
+            _ => {
+                self.unknown_plugin(id, KNOWN, "a grey of 0.5 is used instead");
+                return Some(0.5.into());
+            }
+        };
+        reader.finish();
+        self.textures.insert((id, raw), built.clone());
+        built
+    }
+
+    fn bitmap(&self, reader: &mut ElementReader<'_>, raw: bool) -> Option<Texture> {
+        let file = reader.file("filename");
+        let to_uv = self.to_uv(reader);
+        let wraps = [
+            ("repeat", WrapMode::Repeat),
+            ("mirror", WrapMode::Mirror),
+            ("clamp", WrapMode::Clamp),
+        ];
+        let wrap = reader.choice("wrap_mode", &wraps, WrapMode::Repeat);
+        // The first generation's finer filters only differ where a texture is seen from far away.
+        let filters = [
+            ("bilinear", FilterMode::Bilinear),
+            ("nearest", FilterMode::Nearest),
+            ("trilinear", FilterMode::Bilinear),
+            ("ewa", FilterMode::Bilinear),
+        ];
+        let filter = reader.choice("filter_type", &filters, FilterMode::Bilinear);
+        let declared_raw = reader.boolean("raw", false);
+        let gamma = reader.optional_float("gamma");
+        reader.ignore(&["max_anisotropy", "cache", "format"]);
+        let location = reader.element().location.clone();
+        let bitmap = self.read_bitmap(&file?, &location)?;
+        let bitmap = match gamma {
+            _ if raw || declared_raw => bitmap.with_transfer(Transfer::Linear),
+            Some(gamma) if gamma > 0.0 => bitmap.with_transfer(Transfer::Gamma(gamma)),
+            _ => bitmap,
+        };
+        let texture = texture::Bitmap::new(Arc::new(bitmap), to_uv, wrap, filter);
+        Some(Texture::Bitmap(texture))
+    }
+
+    fn checkerboard(&self, reader: &mut ElementReader<'_>) -> Texture {
+        let to_uv = self.to_uv(reader);
+        let mut colour = |name, default| {
+            reader
+                .colour(name, ColourUse::Reflectance)
+                .unwrap_or(Rgb::grey(default))
+        };
+        let (first, second) = (colour("color0", 0.4), colour("color1", 0.2));
+        Texture::Checkerboard(Checkerboard::new(first, second, to_uv))
+    }
+
+    /// The map of texture coordinates: `to_uv`, or scales and offsets as the first generation has it.
+    fn to_uv(&self, reader: &mut ElementReader<'_>) -> Mat3 {
+        let map = reader.transform("to_uv").matrix();
+        let both = reader.float("uvscale", 1.0);
+        let scale = Vec2::new(reader.float("uscale", both), reader.float("vscale", both));
+        let offset = Vec2::new(reader.float("uoffset", 0.0), reader.float("voffset", 0.0));
+        let planar = Mat3::from_cols(
+            map.x_axis.truncate().truncate().extend(0.0),
+            map.y_axis.truncate().truncate().extend(0.0),
+            map.w_axis.truncate().truncate().extend(1.0),
+        );
+        Mat3::from_translation(offset) * Mat3::from_scale(scale) * planar
+    }
+
+    /// Reads an image file, and takes it into the scene's hash.
+    pub(super) fn read_bitmap(&self, file: &Path, location: &Location) -> Option<Bitmap> {
+        self.read_bytes(file, location)?;
+        match image::read_bitmap(file) {
+            Ok(bitmap) => Some(bitmap),
+            Err(error) => {
+                self.problems
+                    .unsupported(location, error.to_string(), "left out");
+                None
+            }
+        }
+    }
+}

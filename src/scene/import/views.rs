@@ -1,0 +1,333 @@
+//! Sensors, films, reconstruction filters and samplers.
+
+use super::View;
+use super::loader::Loader;
+use super::xml::{ElementId, ElementKind, ElementReader, NumberOrName};
+use crate::film::{Filter, FilterKind, Window};
+use crate::math::Vec2;
+use crate::random::SamplerKind;
+use crate::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings};
+
+/// What a film element says.
+struct Film {
+    size: (u32, u32),
+    window: Window,
+    filter: Filter,
+    alpha: bool,
+    half: bool,
+}
+
+/// Width and height of a film that says nothing of them.
+const DEFAULT_SIZE: (i64, i64) = (768, 576);
+
+/// The largest width and height.
+const LARGEST_SIDE: i64 = 65_536;
+
+impl Loader<'_> {
+    /// Reads a sensor; `None` after noting why there is none.
+    ///
+    /// - `film_size`: replaces the file's width and height.
+    pub(super) fn view(&self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<View> {
+        let mut reader = self.reader(id);
+        match reader.plugin() {
+            "perspective" => {}
+            "thinlens" => {
+                self.unknown_plugin(id, ["perspective"], "a pinhole is used instead");
+                reader.ignore(&["aperture_radius", "focus_distance"]);
+            }
+            _ => {
+                self.unknown_plugin(id, ["perspective"], "a perspective sensor is used instead");
+            }
+        }
+        let film = match reader.child(ElementKind::Film) {
+            Some(film) => self.film(film, film_size),
+            None => self.default_film(film_size),
+        };
+        let (sampler, sample_count) = match reader.child(ElementKind::Sampler) {
+            Some(sampler) => self.sampler(sampler),
+            None => (SamplerKind::Independent, 4),
+        };
+        self.warn_of_media(&mut reader);
+        let settings = self.perspective(&mut reader, film.as_ref());
+        reader.finish();
+        let film = film?;
+        match Perspective::new(settings) {
+            Ok(sensor) => Some(View {
+                sensor: sensor.into(),
+                film_size: film.size,
+                window: film.window,
+                filter: film.filter,
+                sampler,
+                sample_count,
+                alpha: film.alpha,
+                half: film.half,
+            }),
+            Err(error) => {
+                self.problems.error(self.location(id), error.to_string());
+                None
+            }
+        }
+    }
+
+    fn film(&self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<Film> {
+        let mut reader = self.reader(id);
+        if !matches!(reader.plugin(), "hdrfilm" | "ldrfilm") {
+            let message = format!(
+                "unknown {}; \"hdrfilm\" is used instead",
+                reader.element().title()
+            );
+            self.problems.warning(self.location(id), message);
+        }
+        let width = reader.integer("width", DEFAULT_SIZE.0);
+        let height = reader.integer("height", DEFAULT_SIZE.1);
+        let size = film_size.or_else(|| self.film_side(&reader, width, height));
+        let window = size.and_then(|size| self.crop(&mut reader, size, film_size.is_some()));
+        let filter = match reader.child(ElementKind::ReconstructionFilter) {
+            Some(filter) => self.filter(filter),
+            None => Filter::new(FilterKind::Gaussian { stddev: 0.5 }),
+        };
+        let alpha = [
+            ("rgb", false),
+            ("rgba", true),
+            ("luminance", false),
+            ("luminance_alpha", true),
+        ];
+        let alpha = match reader
+            .optional_string("pixel_format")
+            .map(str::to_lowercase)
+        {
+            None => false,
+            Some(format) => {
+                let known = alpha.iter().find(|(name, _)| *name == format);
+                if known.is_none() {
+                    let message =
+                        format!("unknown pixel format \"{format}\"; \"rgb\" is used instead");
+                    reader.warning("pixel_format", message);
+                }
+                known.is_some_and(|(_, alpha)| *alpha)
+            }
+        };
+        let half = reader.string("component_format", "float16").to_lowercase() == "float16";
+        // How the file is written is asked on the command line.
+        reader.ignore(&[
+            "file_format",
+            "banner",
+            "attach_log",
+            "high_quality_edges",
+            "gamma",
+            "exposure",
+            "tonemap_method",
+            "label",
+            "compensate",
+            "sample_border",
+            "variable",
+            "key",
+            "burn",
+        ]);
+        reader.finish();
+        let (size, window, filter) = (size?, window?, filter?);
+        Some(Film {
+            size,
+            window,
+            filter,
+            alpha,
+            half,
+        })
+    }
+
+    fn default_film(&self, film_size: Option<(u32, u32)>) -> Option<Film> {
+        let size = film_size.unwrap_or((DEFAULT_SIZE.0 as u32, DEFAULT_SIZE.1 as u32));
+        let filter = Filter::new(FilterKind::Gaussian { stddev: 0.5 })?;
+        let window = Window::full(size.0, size.1);
+        Some(Film {
+            size,
+            window,
+            filter,
+            alpha: false,
+            half: true,
+        })
+    }
+
+    fn film_side(&self, reader: &ElementReader<'_>, width: i64, height: i64) -> Option<(u32, u32)> {
+        let mut sound = true;
+        for (name, side) in [("width", width), ("height", height)] {
+            if !(1..=LARGEST_SIDE).contains(&side) {
+                let message = format!("\"{name}\" is {side}, expected 1 to {LARGEST_SIDE} pixels");
+                reader.error(name, message);
+                sound = false;
+            }
+        }
+        sound.then_some((width as u32, height as u32))
+    }
+
+    /// Reads the crop window; one that does not fit the film is an error.
+    ///
+    /// - `resized`: the film has another size than the file says, so the file's window means nothing.
+    fn crop(
+        &self,
+        reader: &mut ElementReader<'_>,
+        (width, height): (u32, u32),
+        resized: bool,
+    ) -> Option<Window> {
+        let x = reader.optional_integer("crop_offset_x");
+        let y = reader.optional_integer("crop_offset_y");
+        let crop_width = reader.optional_integer("crop_width");
+        let crop_height = reader.optional_integer("crop_height");
+        let cropped = x.or(y).or(crop_width).or(crop_height).is_some();
+        if resized || !cropped {
+            if cropped {
+                reader.warning(
+                    "crop_width",
+                    "the crop window is ignored: the film has another size",
+                );
+            }
+            return Some(Window::full(width, height));
+        }
+        let (x, y) = (x.unwrap_or(0), y.unwrap_or(0));
+        let crop_width = crop_width.unwrap_or(i64::from(width) - x);
+        let crop_height = crop_height.unwrap_or(i64::from(height) - y);
+        let fits = |start: i64, length: i64, side: u32| {
+            start >= 0
+                && length > 0
+                && start
+                    .checked_add(length)
+                    .is_some_and(|e| e <= i64::from(side))
+        };
+        if !(fits(x, crop_width, width) && fits(y, crop_height, height)) {
+            let message = format!(
+                "the crop window of {crop_width}x{crop_height} pixels at {x},{y} does not fit the \
+                 film of {width}x{height}"
+            );
+            reader.error("crop_width", message);
+            return None;
+        }
+        Some(Window {
+            x: x as u32,
+            y: y as u32,
+            width: crop_width as u32,
+            height: crop_height as u32,
+        })
+    }
+
+    fn filter(&self, id: ElementId) -> Option<Filter> {
+        let mut reader = self.reader(id);
+        let kind = match reader.plugin() {
+            "box" => FilterKind::Box {
+                radius: reader.float("radius", 0.5),
+            },
+            "tent" => FilterKind::Tent {
+                radius: reader.float("radius", 1.0),
+            },
+            "gaussian" => FilterKind::Gaussian {
+                stddev: reader.float("stddev", 0.5),
+            },
+            "mitchell" => FilterKind::Mitchell {
+                b: reader.float("b", 1.0 / 3.0),
+                c: reader.float("c", 1.0 / 3.0),
+            },
+            "catmullrom" => FilterKind::CatmullRom,
+            "lanczos" => FilterKind::Lanczos {
+                lobes: reader.float("lobes", 3.0),
+            },
+            _ => {
+                let title = reader.element().title();
+                let message = format!("unknown {title}; \"gaussian\" is used instead");
+                self.problems.warning(self.location(id), message);
+                FilterKind::Gaussian { stddev: 0.5 }
+            }
+        };
+        let filter = Filter::new(kind);
+        if filter.is_none() {
+            let title = reader.element().title();
+            self.problems.error(
+                self.location(id),
+                format!("{title} weighs nothing, or too much"),
+            );
+        }
+        reader.finish();
+        filter
+    }
+
+    fn sampler(&self, id: ElementId) -> (SamplerKind, u32) {
+        let mut reader = self.reader(id);
+        let kind = match reader.plugin() {
+            "independent" => SamplerKind::Independent,
+            "stratified" => SamplerKind::Stratified,
+            "sobol" | "ldsampler" => SamplerKind::Sobol,
+            _ => {
+                let title = reader.element().title();
+                let message = format!("unknown {title}; \"sobol\" is used instead");
+                self.problems.warning(self.location(id), message);
+                SamplerKind::Sobol
+            }
+        };
+        let count = reader.integer("sample_count", 4);
+        if !(1..=i64::from(u32::MAX)).contains(&count) {
+            reader.error(
+                "sample_count",
+                format!("\"sample_count\" is {count}, expected 1 or more"),
+            );
+        }
+        // Seeds come from the command line; the rest has no counterpart here.
+        reader.ignore(&["seed", "dimension", "scramble", "jitter"]);
+        reader.finish();
+        (kind, count.clamp(1, i64::from(u32::MAX)) as u32)
+    }
+
+    fn perspective(
+        &self,
+        reader: &mut ElementReader<'_>,
+        film: Option<&Film>,
+    ) -> PerspectiveSettings {
+        let axes = [
+            ("x", FieldOfViewAxis::X),
+            ("y", FieldOfViewAxis::Y),
+            ("diagonal", FieldOfViewAxis::Diagonal),
+            ("smaller", FieldOfViewAxis::Smaller),
+            ("larger", FieldOfViewAxis::Larger),
+        ];
+        let axis = reader.choice("fov_axis", &axes, FieldOfViewAxis::X);
+        let field_of_view = reader.optional_float("fov");
+        let (field_of_view, axis) = match self.focal_length(reader) {
+            Some(of_lens) if field_of_view.is_none() => (of_lens, FieldOfViewAxis::Diagonal),
+            Some(_) => {
+                reader.warning("focal_length", "\"fov\" is given, too, and is used instead");
+                (field_of_view.unwrap_or(50.0), axis)
+            }
+            None => (field_of_view.unwrap_or(50.0), axis),
+        };
+        let offset_x = reader.float("principal_point_offset_x", 0.0);
+        let offset_y = reader.float("principal_point_offset_y", 0.0);
+        // A pinhole has everything in focus, and no shutter.
+        reader.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
+        PerspectiveSettings {
+            to_world: reader.transform("to_world").matrix(),
+            field_of_view,
+            axis,
+            near: reader.float("near_clip", 0.01),
+            far: reader.float("far_clip", 1e4),
+            principal_point_offset: Vec2::new(offset_x, offset_y),
+            film_size: film.map_or((1, 1), |film| film.size),
+        }
+    }
+
+    /// Field of view, from corner to corner, of a lens such as "50mm".
+    fn focal_length(&self, reader: &mut ElementReader<'_>) -> Option<f32> {
+        let text = match reader.number_or_name("focal_length")? {
+            NumberOrName::Number(number) => number.to_string(),
+            NumberOrName::Name(text) => text.to_owned(),
+        };
+        let number = text.trim().trim_end_matches("mm").trim().parse::<f32>();
+        match number {
+            Ok(length) if length > 0.0 => {
+                Some(PerspectiveSettings::field_of_view_of_focal_length(length))
+            }
+            _ => {
+                let message =
+                    format!("\"focal_length\" is \"{text}\", expected a length such as \"50mm\"");
+                reader.error("focal_length", message);
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,529 @@
+//! Every shape against brute-force intersections, and against figures of Mitsuba 3.9.1.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
+use super::*;
+use crate::math::statistics::chi_square_p;
+use crate::math::{Frame, Local, Mat4, warp};
+use crate::random::{Purpose, Stream};
+
+/// Level of each χ² test: the family of about forty then errs with 2 %, once and for all seeds.
+const LEVEL: f64 = 5e-4;
+
+fn sphere() -> Sphere {
+    let to_world = Mat4::from_translation(Vec3::new(0.3, -0.2, 1.5))
+        * Mat4::from_rotation_x(0.7)
+        * Mat4::from_scale(Vec3::splat(2.0));
+    Sphere::new(Vec3::new(0.1, 0.0, -0.3), 0.4, to_world).unwrap()
+}
+
+fn sheared_disk() -> Disk {
+    let to_world = Mat4::from_cols_array(&[
+        0.9, 0.1, 0.2, 0.0, 0.3, 0.6, -0.1, 0.0, 0.0, 0.2, 1.0, 0.0, 0.2, 0.1, 2.0, 1.0,
+    ]);
+    Disk::new(to_world).unwrap()
+}
+
+fn slanted_cylinder() -> Cylinder {
+    let to_world = Mat4::from_translation(Vec3::new(0.0, 0.1, 1.8)) * Mat4::from_rotation_y(0.3);
+    Cylinder::new(
+        Vec3::new(0.0, -0.5, 0.0),
+        Vec3::new(0.25, 0.5, 0.25),
+        0.4,
+        to_world,
+    )
+    .unwrap()
+}
+
+fn rectangle() -> TriangleMesh {
+    let mut data = primitives::rectangle();
+    data.transform(
+        Mat4::from_translation(Vec3::new(0.2, 0.0, 1.7))
+            * Mat4::from_rotation_y(2.6)
+            * Mat4::from_scale(Vec3::new(0.8, 0.5, 1.0)),
+    );
+    let mut mesh = TriangleMesh::from(data);
+    assert!(mesh.prepare_sampling());
+    mesh
+}
+
+fn examples() -> Vec<Shape> {
+    let mut inside_out = sphere();
+    inside_out.flip_normals();
+    vec![
+        sphere().into(),
+        inside_out.into(),
+        sheared_disk().into(),
+        slanted_cylinder().into(),
+        rectangle().into(),
+    ]
+}
+
+/// All points where a line from `from` along `direction` meets a shape, ahead of `from`.
+fn crossings(shape: &Shape, from: Vec3, direction: Vec3) -> Vec<SurfacePoint> {
+    let at = |t: f32, primitive: u32, barycentrics: Vec2| {
+        shape.surface_at(&ShapeHit {
+            primitive,
+            barycentrics,
+            position: from + direction * t,
+        })
+    };
+    let ahead = |ts: Vec<f32>| -> Vec<SurfacePoint> {
+        let ts = ts.into_iter().filter(|t| *t > 0.0);
+        ts.map(|t| at(t, 0, Vec2::ZERO)).collect()
+    };
+    let to_object = |rows: [[f32; 4]; 3]| {
+        let column = |i: usize| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
+        let map = Mat4::from_cols(
+            column(0).extend(0.0),
+            column(1).extend(0.0),
+            column(2).extend(0.0),
+            column(3).extend(1.0),
+        );
+        let inverse = map.inverse();
+        (
+            inverse.transform_point3(from),
+            inverse.transform_vector3(direction),
+        )
+    };
+    match shape {
+        Shape::Sphere(s) => {
+            let o = from - s.centre();
+            ahead(roots(
+                1.0,
+                o.dot(direction),
+                o.length_squared() - s.radius() * s.radius(),
+            ))
+        }
+        Shape::Disk(d) => {
+            let (o, d) = to_object(d.to_world());
+            let t = -o.z / d.z;
+            let inside = (o + d * t).truncate().length() <= 1.0;
+            ahead(if inside { vec![t] } else { vec![] })
+        }
+        Shape::Cylinder(c) => {
+            let (o, d) = to_object(c.to_world());
+            let (o2, d2) = (o.truncate(), d.truncate());
+            let ts = roots(d2.length_squared(), o2.dot(d2), o2.length_squared() - 1.0);
+            let on_wall = |t: &f32| (0.0..=1.0).contains(&(o.z + d.z * t));
+            ahead(ts.into_iter().filter(on_wall).collect())
+        }
+        Shape::TriangleMesh(mesh) => (0..mesh.triangles().as_slice().len() as u32)
+            .filter_map(|primitive| {
+                let (t, barycentrics) = triangle_crossing(mesh, primitive, from, direction)?;
+                Some(at(t, primitive, barycentrics))
+            })
+            .collect(),
+    }
+}
+
+/// Roots of a·t² + 2·b·t + c.
+fn roots(a: f32, b: f32, c: f32) -> Vec<f32> {
+    let discriminant = b * b - a * c;
+    if discriminant <= 0.0 {
+        return vec![];
+    }
+    let root = discriminant.sqrt();
+    vec![(-b - root) / a, (-b + root) / a]
+}
+
+fn triangle_crossing(
+    mesh: &TriangleMesh,
+    primitive: u32,
+    from: Vec3,
+    direction: Vec3,
+) -> Option<(f32, Vec2)> {
+    let corners = mesh.triangles().as_slice()[primitive as usize];
+    let [a, b, c] = corners.map(|i| Vec3::from_array(mesh.vertices().as_slice()[i as usize]));
+    let columns = glam::Mat3::from_cols(b - a, c - a, -direction);
+    let solution = columns.inverse() * (from - a);
+    let inside = solution.x >= 0.0 && solution.y >= 0.0 && solution.x + solution.y <= 1.0;
+    (inside && solution.z > 0.0).then_some((solution.z, solution.truncate()))
+}
+
+fn stream(index: u32) -> Stream {
+    Stream::new(11, Purpose::Check, index, 0)
+}
+
+fn pair(stream: &mut Stream) -> Vec2 {
+    let x = stream.next_f32();
+    Vec2::new(x, stream.next_f32())
+}
+
+/// The directions that a χ² test sorts into cells: a cone around the shape.
+struct View {
+    from: Vec3,
+    frame: Frame,
+    one_minus_cos: f32,
+}
+
+const CELLS: usize = 16;
+const SUB_CELLS: usize = 24;
+
+impl View {
+    fn new(from: Vec3, target: Vec3, one_minus_cos: f32) -> Self {
+        let frame = Frame::around((target - from).normalize());
+        Self {
+            from,
+            frame,
+            one_minus_cos,
+        }
+    }
+
+    /// χ² of a sampler's directions against a density of directions, given as the sum over all
+    /// crossings times `fault` of the crossing.
+    fn p_value(&self, shape: &Shape, count: u32, fault: impl Fn(&SurfacePoint) -> f64) -> f64 {
+        let mut observed = vec![0.0; CELLS * CELLS + 1];
+        let mut stream = stream(0);
+        for _ in 0..count {
+            let sample = shape.sample_toward(self.from, pair(&mut stream));
+            observed[sample.map_or(CELLS * CELLS, |(point, _)| self.cell(&point))] += 1.0;
+        }
+        let solid_angle = f64::from(TAU * self.one_minus_cos);
+        let fine = CELLS * SUB_CELLS;
+        let weight = f64::from(count) * solid_angle / (fine * fine) as f64;
+        let mut expected = vec![0.0; CELLS * CELLS + 1];
+        for (i, j) in (0..fine).flat_map(|i| (0..fine).map(move |j| (i, j))) {
+            let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / fine as f32;
+            let local = Local(warp::uniform_cone(u, self.one_minus_cos));
+            let direction = self.frame.to_world(local);
+            let density: f64 = crossings(shape, self.from, direction)
+                .iter()
+                .map(|p| f64::from(shape.density_toward(self.from, p).0) * fault(p))
+                .sum();
+            expected[(i / SUB_CELLS) * CELLS + j / SUB_CELLS] += density * weight;
+        }
+        expected[CELLS * CELLS] = f64::from(count) - expected.iter().sum::<f64>();
+        // Quadrature at silhouettes leaves less than this outside.
+        assert!(
+            expected[CELLS * CELLS].abs() < 0.004 * f64::from(count),
+            "densities sum to 1 − {}",
+            expected[CELLS * CELLS] / f64::from(count)
+        );
+        expected.pop();
+        assert!(observed.pop().unwrap() < 0.004 * f64::from(count));
+        chi_square_p(&observed, &expected).unwrap()
+    }
+
+    fn cell(&self, point: &SurfacePoint) -> usize {
+        let direction = (point.position - self.from).normalize();
+        let local = self.frame.to_local(direction).0;
+        let u = warp::uniform_cone_inverse(local, self.one_minus_cos);
+        if u.y >= 1.0 {
+            return CELLS * CELLS;
+        }
+        (u.x * CELLS as f32) as usize * CELLS + (u.y * CELLS as f32) as usize
+    }
+}
+
+fn views(shape: &Shape) -> Vec<View> {
+    let target = shape.sample_area(Vec2::splat(0.5)).0.position;
+    let mut views = vec![
+        View::new(Vec3::new(0.1, 0.2, -1.2), target, 0.6),
+        View::new(Vec3::new(-2.0, 1.0, 0.5), target, 0.6),
+    ];
+    if let Shape::Sphere(s) = shape {
+        let toward = |offset: Vec3, opening| View::new(s.centre() + offset, s.centre(), opening);
+        let off_axis = Vec3::new(0.6, 0.0, 0.8) * s.radius();
+        views.push(toward(off_axis * 0.5, 2.0));
+        views.push(toward(off_axis * 1.05, 1.0));
+        views.push(toward(off_axis * 1000.0, 6e-7));
+    }
+    if let Shape::Cylinder(_) = shape {
+        views.push(View::new(Vec3::new(0.1, 0.15, 1.9), target, 2.0));
+    }
+    views
+}
+
+#[test]
+fn directions_follow_their_density() {
+    for shape in examples() {
+        for view in views(&shape) {
+            let p = view.p_value(&shape, 20_000, |_| 1.0);
+            assert!(p > LEVEL, "p = {p} from {} to {shape:?}", view.from);
+        }
+    }
+}
+
+#[test]
+fn a_density_that_is_wrong_on_one_half_is_caught() {
+    for shape in examples() {
+        let view = &views(&shape)[0];
+        let middle = shape.sample_area(Vec2::splat(0.5)).0.position.x;
+        let p = view.p_value(&shape, 20_000, |point| {
+            if point.position.x > middle { 1.1 } else { 0.9 }
+        });
+        assert!(p < 1e-6, "p = {p} for {shape:?}");
+    }
+}
+
+#[test]
+fn the_density_of_a_sample_is_the_one_reported_for_it() {
+    for shape in examples() {
+        for view in views(&shape) {
+            let mut stream = stream(1);
+            for _ in 0..500 {
+                let Some((point, density)) = shape.sample_toward(view.from, pair(&mut stream))
+                else {
+                    continue;
+                };
+                let again = shape.density_toward(view.from, &point);
+                assert!(
+                    (again.0 - density.0).abs() <= 2e-3 * density.0,
+                    "{again:?} {density:?} from {} to {shape:?}",
+                    view.from
+                );
+            }
+        }
+    }
+}
+
+/// Surface coordinates in which equal areas are equal.
+fn equal_area_coordinates(shape: &Shape, at: &SurfacePoint) -> Vec2 {
+    let uv = at.uv;
+    match shape {
+        Shape::Sphere(_) => Vec2::new(uv.x, (1.0 - (uv.y * TAU / 2.0).cos()) / 2.0),
+        Shape::Disk(_) => Vec2::new(uv.x * uv.x, uv.y),
+        _ => uv,
+    }
+}
+
+#[test]
+fn points_are_uniform_by_area() {
+    const COUNT: u32 = 20_000;
+    for shape in examples() {
+        let mut stream = stream(2);
+        let mut observed = [0.0; 100];
+        for _ in 0..COUNT {
+            let (point, density) = shape.sample_area(pair(&mut stream));
+            assert_eq!(density.0, (1.0 / shape.area()) as f32);
+            let at = (equal_area_coordinates(&shape, &point) * 10.0).min(Vec2::splat(9.0));
+            observed[at.x as usize * 10 + at.y as usize] += 1.0;
+        }
+        let p = chi_square_p(&observed, &[f64::from(COUNT) / 100.0; 100]).unwrap();
+        assert!(p > LEVEL, "p = {p} for {shape:?}");
+    }
+}
+
+#[test]
+fn a_hit_near_the_surface_finds_the_sampled_point_again() {
+    for shape in examples() {
+        if matches!(shape, Shape::TriangleMesh(_)) {
+            continue;
+        }
+        let mut stream = stream(3);
+        for _ in 0..500 {
+            let (point, _) = shape.sample_area(pair(&mut stream));
+            let hit = ShapeHit {
+                primitive: 0,
+                barycentrics: Vec2::ZERO,
+                position: point.position + point.geometric_normal * 1e-5,
+            };
+            let found = shape.surface_at(&hit);
+            assert!(
+                (found.position - point.position).length() < 1e-6,
+                "{shape:?}"
+            );
+            assert!((found.geometric_normal - point.geometric_normal).length() < 1e-5);
+            assert!(found.shading.normal == found.geometric_normal);
+            assert!((found.geometric_normal.length() - 1.0).abs() < 1e-6);
+            let turn = (found.uv - point.uv).abs();
+            assert!(turn.min(1.0 - turn).max_element() < 1e-4, "{shape:?}");
+            assert!(found.error > 1e-6 && found.error < 1e-4);
+        }
+    }
+}
+
+#[test]
+fn areas_are_those_of_the_formulas() {
+    let close = |shape: Shape, area: f64| {
+        let found = shape.area();
+        assert!((found - area).abs() < 1e-5 * area, "{found} for {area}");
+    };
+    let pi = std::f64::consts::PI;
+    close(sphere().into(), 4.0 * pi * 0.64);
+    let cross = Vec3::new(0.9, 0.1, 0.2).cross(Vec3::new(0.3, 0.6, -0.1));
+    close(sheared_disk().into(), pi * f64::from(cross.length()));
+    close(slanted_cylinder().into(), 2.0 * pi * 0.4 * 1.125_f64.sqrt());
+    close(rectangle().into(), 1.6);
+    close(TriangleMesh::from(primitives::cube()).into(), 24.0);
+}
+
+/// Where a ray meets a shape first.
+fn first(shape: &Shape, from: [f32; 3], direction: [f32; 3]) -> SurfacePoint {
+    let from = Vec3::from_array(from);
+    let direction = Vec3::from_array(direction).normalize();
+    let distance = |p: &SurfacePoint| (p.position - from).length();
+    crossings(shape, from, direction)
+        .into_iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .expect("the ray of the test meets the shape")
+}
+
+fn check(at: SurfacePoint, normal: [f32; 3], uv: [f32; 2], tangent: [f32; 3]) {
+    let near = |a: Vec3, b: [f32; 3]| (a - Vec3::from_array(b)).length() < 2e-4;
+    assert!(near(at.geometric_normal, normal), "{at:?}");
+    assert!((at.uv - Vec2::from_array(uv)).length() < 1e-4, "{at:?}");
+    assert!(near(at.shading.tangent, tangent), "{at:?}");
+}
+
+/// Normal, uv and tangent as Mitsuba 3.9.1 prints them for the same rays.
+#[test]
+fn parametrisations_are_those_of_mitsuba() {
+    let turned = Mat4::from_translation(Vec3::new(0.1, 0.0, 0.0))
+        * Mat4::from_rotation_x(FRAC_PI_2)
+        * Mat4::from_scale(Vec3::splat(0.5));
+    let sphere = |to_world| Shape::from(Sphere::new(Vec3::ZERO, 1.0, to_world).unwrap());
+    check(
+        first(&sphere(Mat4::IDENTITY), [3., 1., 0.5], [-1., -0.2, 0.]),
+        [0.6802, 0.536, 0.5],
+        [0.1062, 0.3333],
+        [-0.619, 0.7854, 0.],
+    );
+    check(
+        first(&sphere(turned), [-2., 0.3, 4.], [0.5, 0., -1.]),
+        [-0.5087, 0.6, 0.6174],
+        [0.3597, 0.7048],
+        [-0.7718, 0., -0.6359],
+    );
+    let stretched = Mat4::from_scale(Vec3::new(2.0, 1.0, 1.0));
+    let disk = Shape::from(Disk::new(stretched).unwrap());
+    check(
+        first(&disk, [-0.3, -0.5, -4.], [0., 0., 1.]),
+        [0., 0., 1.],
+        [0.522, 0.7036],
+        [-0.5145, -0.8575, 0.],
+    );
+    let cylinder = |end: [f32; 3]| {
+        let start = Vec3::new(0.0, -1.0, 0.0);
+        Shape::from(Cylinder::new(start, end.into(), 0.5, Mat4::IDENTITY).unwrap())
+    };
+    check(
+        first(&cylinder([0., 1., 0.]), [4., 0.3, 0.2], [-1., 0., 0.]),
+        [0.9165, 0., 0.4],
+        [0.9345, 0.65],
+        [0.4, 0., -0.9165],
+    );
+    check(
+        first(&cylinder([0.5, 1., 0.5]), [-4., 0.3, 0.2], [1., 0., 0.]),
+        [-0.9428, 0.2807, -0.1798],
+        [0.4314, 0.5798],
+        [-0.2357, -0.1798, 0.955],
+    );
+}
+
+#[test]
+fn flat_primitives_are_those_of_mitsuba() {
+    let mesh = |data: mesh::MeshData| {
+        assert_eq!(data.validate(), Ok(()));
+        let mut mesh = TriangleMesh::from(data);
+        mesh.follow_tangents();
+        Shape::from(mesh)
+    };
+    let rectangle = mesh(primitives::rectangle());
+    check(
+        first(&rectangle, [-0.3, -0.5, -4.], [0., 0., 1.]),
+        [0., 0., 1.],
+        [0.35, 0.25],
+        [1., 0., 0.],
+    );
+    let cube = mesh(primitives::cube());
+    let faces = [
+        ([0.3, 0.2, 4.], [0., 0., 1.], [0.6, 0.65], [0., 1., 0.]),
+        ([0.3, 0.2, -4.], [0., 0., -1.], [0.4, 0.65], [0., -1., 0.]),
+        ([4., 0.3, 0.2], [1., 0., 0.], [0.65, 0.4], [0., 1., 0.]),
+        ([-4., 0.3, 0.2], [-1., 0., 0.], [0.65, 0.6], [0., 1., 0.]),
+        ([0.3, 4., 0.2], [0., 1., 0.], [0.35, 0.4], [-1., 0., 0.]),
+        ([0.3, -4., 0.2], [0., -1., 0.], [0.6, 0.65], [0., 0., 1.]),
+    ];
+    for (from, normal, uv, tangent) in faces {
+        check(
+            first(&cube, from, normal.map(|c: f32| -c)),
+            normal,
+            uv,
+            tangent,
+        );
+    }
+    let mut inside_out = primitives::cube();
+    inside_out.flip_normals();
+    let point = first(&mesh(inside_out), [0.3, 0.2, 4.], [0., 0., -1.]);
+    assert_eq!(point.geometric_normal, -Vec3::Z);
+}
+
+#[test]
+fn mirrors_keep_round_shapes_outside_out_and_flips_turn_them() {
+    let mirror = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let sphere = Sphere::new(Vec3::ZERO, 1.0, mirror).unwrap();
+    let cylinder = Cylinder::new(Vec3::ZERO, Vec3::Z, 1.0, mirror).unwrap();
+    let from = [3.0, 0.3, 0.5];
+    let mut shapes = [Shape::from(sphere), Shape::from(cylinder)];
+    for shape in &mut shapes {
+        let at = first(shape, from, [-1., 0., 0.]);
+        assert!(at.geometric_normal.x > 0.8);
+        // The object's x axis points to the world's −x.
+        assert!((at.uv.x - 0.5).abs() < 0.1 && at.uv.x < 0.5, "{at:?}");
+        match shape {
+            Shape::Sphere(s) => s.flip_normals(),
+            Shape::Cylinder(c) => c.flip_normals(),
+            _ => unreachable!("the list holds these two"),
+        }
+        let flipped = first(shape, from, [-1., 0., 0.]);
+        assert_eq!(flipped.geometric_normal, -at.geometric_normal);
+        assert_eq!(flipped.uv, at.uv);
+        assert_eq!(flipped.shading.tangent, at.shading.tangent);
+    }
+    let below = Disk::new(Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).unwrap();
+    assert_eq!(below.sample_area(Vec2::ZERO).0.geometric_normal, -Vec3::Z);
+    let pressed = Disk::new(Mat4::from_scale(Vec3::new(1.0, -1.0, 0.0))).unwrap();
+    assert_eq!(pressed.sample_area(Vec2::ZERO).0.geometric_normal, -Vec3::Z);
+}
+
+#[test]
+fn what_is_not_round_is_refused() {
+    let stretch = |x, y, z| Mat4::from_scale(Vec3::new(x, y, z));
+    let sphere = |radius, to_world| Sphere::new(Vec3::ZERO, radius, to_world).err();
+    assert_eq!(
+        sphere(1.0, stretch(1.0, 1.2, 1.0)),
+        Some(ShapeError::Stretched)
+    );
+    assert_eq!(sphere(0.0, Mat4::IDENTITY), Some(ShapeError::BadRadius));
+    assert_eq!(sphere(1.0, stretch(0.0, 0.0, 0.0)), Some(ShapeError::Flat));
+    assert_eq!(
+        sphere(f32::NAN, Mat4::IDENTITY),
+        Some(ShapeError::NotFinite)
+    );
+    assert_eq!(
+        sphere(1e30, stretch(1e30, 1e30, 1e30)),
+        Some(ShapeError::NotFinite)
+    );
+    assert_eq!(sphere(1.0, Mat4::from_rotation_y(FRAC_PI_4)), None);
+    let cylinder = |end, to_world| Cylinder::new(Vec3::ZERO, end, 1.0, to_world).err();
+    assert_eq!(cylinder(Vec3::Z, stretch(2.0, 2.0, 0.5)), None);
+    assert_eq!(
+        cylinder(Vec3::Z, stretch(2.0, 1.0, 1.0)),
+        Some(ShapeError::Stretched)
+    );
+    assert_eq!(cylinder(Vec3::ZERO, Mat4::IDENTITY), Some(ShapeError::Flat));
+    let mut slanted = Mat4::IDENTITY;
+    slanted.z_axis.x = 0.5;
+    assert_eq!(cylinder(Vec3::Z, slanted), Some(ShapeError::Stretched));
+    assert_eq!(
+        Disk::new(stretch(1.0, 0.0, 1.0)).err(),
+        Some(ShapeError::Flat)
+    );
+    assert_eq!(Disk::new(Mat4::NAN).err(), Some(ShapeError::NotFinite));
+}
+
+#[test]
+fn right_above_a_sphere_half_of_all_directions_see_it() {
+    let sphere = sphere();
+    let above = sphere.centre() + Vec3::X * (sphere.radius() * (1.0 + 3e-7));
+    let (point, density) = sphere.sample_toward(above, Vec2::new(0.2, 0.5)).unwrap();
+    assert!((density.0 * TAU - 1.0).abs() < 2e-3, "{density:?}");
+    assert!((point.position - above).length() < 1e-3);
+    let far = sphere.centre() + Vec3::X * 1e9;
+    let (point, density) = sphere.sample_toward(far, Vec2::new(0.2, 0.5)).unwrap();
+    let disk = TAU / 2.0 * (sphere.radius() / 1e9).powi(2);
+    assert!((density.0 * disk - 1.0).abs() < 1e-4, "{density:?}");
+    assert!((point.geometric_normal.x - 0.5_f32.sqrt()).abs() < 1e-4);
+}
