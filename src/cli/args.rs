@@ -145,7 +145,7 @@ pub(super) struct EffortArgs {
     pub(super) spp: Option<u32>,
 
     /// Seconds to render for, without loading and writing: whole passes only, at least one
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub(super) time: Option<f64>,
 
     /// Passes to render; a pass is one sample in each pixel
