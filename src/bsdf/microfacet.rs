@@ -84,10 +84,12 @@ impl Microfacets {
     /// Source: Walter 2007; with two roughnesses Heitz 2014.
     #[inline]
     pub fn normal_density(&self, m: Local) -> f32 {
-        let z2 = m.0.z * m.0.z;
-        if m.0.z <= 0.0 {
+        // Nearer to the horizon Beckmann's exponential is zero, and its divisor may be, too.
+        const LEAST_COSINE: f32 = 1e-5;
+        if m.0.z < LEAST_COSINE {
             return 0.0;
         }
+        let z2 = m.0.z * m.0.z;
         let slope2 = (m.0.truncate() / self.alpha).length_squared();
         let scale = PI * self.alpha.x * self.alpha.y;
         match self.kind {
@@ -273,7 +275,7 @@ fn erf_inverse(y: f32) -> f32 {
         5.739_507_7e-3,
         -7.622_461_3e-3,
         9.438_870_5e-3,
-        1.001_674_1,
+        1.001_674,
         2.832_976_8,
     ];
     let distance = ((1.0 - y) * (1.0 + y)).max(f32::EPSILON);

@@ -16,8 +16,10 @@ use crate::texture::{Texture, TextureModel};
 /// The coat is the microfacet model of rough glass; what it lets through is known by a table over
 /// the cosine, for light that meets one small mirror only.
 ///
-/// Source: Walter 2007 for the coat. Differs: Mitsuba averages the coat's inner reflectance over 64
-/// cosines by the rectangle rule, which is 1 % low; here it is exact.
+/// What the coat reflects of the base's own light is found by the coarse rule of Mitsuba: with the
+/// exact one, pictures differ from its own by 2 %, and the model is no more right for it.
+///
+/// Source: Walter 2007 for the coat.
 #[derive(Clone, Debug)]
 pub struct RoughPlastic {
     facets: Microfacets,
@@ -67,10 +69,12 @@ struct CosineTable {
 
 impl CosineTable {
     const INTERVALS: usize = 128;
+    /// Stands for the horizon, where nothing is seen.
+    const LEAST_COSINE: f32 = 1e-6;
 
     /// Makes the table of a function on `(0, 1]`.
     fn new(f: impl Fn(f32) -> f32) -> Self {
-        let value = |i| f((i as f32 / Self::INTERVALS as f32).max(1e-6));
+        let value = |i| f((i as f32 / Self::INTERVALS as f32).max(Self::LEAST_COSINE));
         Self {
             values: (0..=Self::INTERVALS).map(value).collect(),
         }
@@ -127,21 +131,17 @@ fn reflectance(facets: &Microfacets, ior: RelativeIor, cos: f32) -> f32 {
     })
 }
 
-/// Share of diffuse light that the coat reflects; `ior` is seen from the light's side.
+/// Share of diffuse light that the coat reflects, by Mitsuba's rule; `ior` is seen from the light's
+/// side.
+///
+/// The mean of `2μ R(μ)` over 64 cosines from zero to one, ends included, which for glass is 1 % low.
 fn diffuse_reflectance_within(facets: &Microfacets, ior: RelativeIor) -> f32 {
-    let critical = f64::from((1.0 - ior.ratio() * ior.ratio()).max(0.0)).sqrt();
-    // ∫ R(μ) 2μ dμ in two parts: below the critical angle of a smooth coat, and above it, where R
-    // falls like a square root.
-    let sum: f64 = gauss_legendre(24)
-        .into_iter()
-        .map(|(t, weight)| {
-            let total = critical * t;
-            let partial = critical + (1.0 - critical) * t * t;
-            let share = |cos: f64| 2.0 * cos * f64::from(reflectance(facets, ior, cos as f32));
-            weight * (critical * share(total) + (1.0 - critical) * 2.0 * t * share(partial))
-        })
-        .sum();
-    sum as f32
+    const COUNT: usize = 64;
+    let share = |i| {
+        let cos = (i as f32 / (COUNT - 1) as f32).max(CosineTable::LEAST_COSINE);
+        2.0 * cos * reflectance(facets, ior, cos)
+    };
+    (0..COUNT).map(share).sum::<f32>() / COUNT as f32
 }
 
 impl BsdfModel for RoughPlastic {
@@ -257,7 +257,7 @@ mod tests {
             let inner = ior.seen_from(-1.0);
             let found = diffuse_reflectance_within(&facets, inner);
             let exact = inner.diffuse_reflectance();
-            assert!((found - exact).abs() < 2e-3, "{kind:?}: {found} {exact}");
+            assert!((found - exact).abs() < 1e-2, "{kind:?}: {found} {exact}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! One material for each side of a surface.
 
 use super::{
-    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, Dielectric, Diffuse, DiracEvent, LobeSet,
+    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, Conductor, Diffuse, DiracEvent, LobeSet,
     Plastic, RoughConductor, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
@@ -84,7 +84,7 @@ impl BsdfModel for TwoSided {
             ),
         ];
         let coats = Plastic::examples().into_iter().map(|plastic| {
-            let front = super::Conductor::new(None, 0.9);
+            let front = Conductor::new(None, 0.9);
             (front.into(), Some(Bsdf::from(plastic)))
         });
         front_and_back
@@ -169,6 +169,7 @@ impl BsdfModel for TwoSided {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::Dielectric;
 
     #[test]
     fn glass_cannot_be_two_sided() {

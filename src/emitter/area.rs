@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::{EmitterClass, EmitterModel, EmitterSample};
-use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
-use crate::shape::{Shape, ShapeModel, SurfacePoint};
-use crate::texture::{Texture, TextureModel};
+use crate::math::{Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3};
+use crate::shape::{Disk, Shape, ShapeModel, Sphere, SurfacePoint, TriangleMesh, primitives};
+use crate::texture::{Checkerboard, Texture, TextureModel};
 
 /// Emits from the front of a shape, equally into all directions.
 #[derive(Clone, Debug)]
@@ -26,9 +26,34 @@ impl Area {
             radiance: radiance.into(),
         }
     }
+
+    /// The shape that glows.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
 }
 
 impl EmitterModel for Area {
+    fn examples() -> Vec<Self> {
+        let place = Mat4::from_translation(Vec3::new(0.1, 0.3, 0.2)) * Mat4::from_rotation_y(0.5);
+        let squares = Checkerboard::new(
+            [Rgb::new(3.0, 1.0, 0.5), Rgb::new(0.5, 2.0, 4.0)],
+            Mat3::IDENTITY,
+        );
+        let mut data = primitives::rectangle();
+        data.transform(place);
+        let mut rectangle = TriangleMesh::from(data);
+        rectangle.prepare_sampling();
+        let mut examples = vec![Self::new(Arc::new(rectangle.into()), squares)];
+        if let Ok(sphere) = Sphere::new(Vec3::ZERO, 0.6, place) {
+            examples.push(Self::new(Arc::new(sphere.into()), Rgb::new(1.0, 2.0, 3.0)));
+        }
+        if let Ok(disk) = Disk::new(place) {
+            examples.push(Self::new(Arc::new(disk.into()), 2.0));
+        }
+        examples
+    }
+
     fn class(&self) -> EmitterClass {
         EmitterClass::Area
     }

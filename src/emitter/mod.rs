@@ -4,12 +4,27 @@
 //! point. [`EmitterModel::density_toward`] is exactly the density of
 //! [`EmitterModel::sample_toward`]; Dirac emitters (points, parallel beams) have none and are never
 //! hit by chance.
+//!
+//! A new model is a file, a line in `emitter_models!` and an arm in the importer. The tests pick it
+//! up from its [`EmitterModel::examples`].
 
 mod area;
+mod constant;
+mod directional;
+mod envmap;
 mod point;
+mod spot;
+#[cfg(test)]
+mod tests;
 
 pub use area::Area;
+pub use constant::Constant;
+pub use directional::Directional;
+pub use envmap::Envmap;
 pub use point::Point;
+pub use spot::{Beam, Spot};
+
+use thiserror::Error;
 
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::SurfacePoint;
@@ -33,6 +48,32 @@ impl EmitterClass {
     pub fn is_dirac(self) -> bool {
         matches!(self, Self::Point | Self::Directional)
     }
+}
+
+/// Why numbers do not describe an emitter.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum EmitterError {
+    /// The emitter-to-world transform has no inverse, or holds numbers that are not finite.
+    #[error("the emitter's transform flattens space or is not finite")]
+    Singular,
+    /// The direction of a directional light is zero or not finite.
+    #[error("the direction is zero or not finite")]
+    NoDirection,
+    /// The cutoff of a spot light is out of its range.
+    #[error("the cutoff angle must lie between 0 and 180 degrees, and below 90 with a texture")]
+    BadAngle,
+    /// The scale of an environment map is negative or not finite.
+    #[error("the scale must be a finite number that is not negative")]
+    BadScale,
+    /// The picture of an environment map holds an infinite value or not a number.
+    #[error("the texel in column {x} of row {y} is not finite")]
+    BadTexel {
+        /// Column, from 0.
+        x: u32,
+        /// Row, from 0.
+        y: u32,
+    },
 }
 
 /// A sphere around the whole scene.
@@ -62,6 +103,11 @@ pub struct EmitterSample {
 
 /// What a light can answer.
 pub trait EmitterModel {
+    /// Lights that stand for the model in tests and benchmarks: each feature, each limit.
+    fn examples() -> Vec<Self>
+    where
+        Self: Sized;
+
     /// The kind of light.
     fn class(&self) -> EmitterClass;
 
@@ -120,6 +166,12 @@ macro_rules! emitter_models {
         })*
 
         impl EmitterModel for Emitter {
+            /// The examples of all models.
+            fn examples() -> Vec<Self> {
+                let mut all = Vec::new();
+                $(all.extend($model::examples().into_iter().map(Self::from));)*
+                all
+            }
             #[inline]
             fn class(&self) -> EmitterClass {
                 match self { $(Self::$model(e) => e.class(),)* }
@@ -157,6 +209,14 @@ macro_rules! emitter_models {
 emitter_models! {
     /// A surface that glows.
     Area,
+    /// The same light from everywhere.
+    Constant,
+    /// Parallel light.
+    Directional,
+    /// Light from a picture of all directions.
+    Envmap,
     /// A point that radiates equally into all directions.
     Point,
+    /// A lamp with a beam.
+    Spot,
 }

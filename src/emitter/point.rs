@@ -26,6 +26,13 @@ impl Point {
 }
 
 impl EmitterModel for Point {
+    fn examples() -> Vec<Self> {
+        vec![Self::new(
+            Vec3::new(0.1, 0.2, -0.3),
+            Rgb::new(1.0, 0.5, 0.2),
+        )]
+    }
+
     fn class(&self) -> EmitterClass {
         EmitterClass::Point
     }

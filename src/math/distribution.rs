@@ -91,36 +91,78 @@ pub struct PiecewiseConstant2d {
     columns: Vec<Option<Discrete>>,
 }
 
+/// What [`PiecewiseConstant2d::sample_cell`] chose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellChoice {
+    /// Column of the cell.
+    pub column: usize,
+    /// Row of the cell.
+    pub row: usize,
+    /// Probability of the cell.
+    pub probability: f32,
+    /// What is left of the uniform numbers, again uniform in `[0, 1)²`.
+    pub remainder: Vec2,
+}
+
 impl PiecewiseConstant2d {
     /// Makes the density from one weight a cell, row by row; `None` as in [`Discrete::new`].
     pub fn new(weights: &[f64], width: usize) -> Option<Self> {
-        let columns: Vec<_> = weights.chunks(width).map(Discrete::new).collect();
-        let row_weights: Vec<f64> = weights
-            .chunks(width)
-            .map(|row| row.iter().sum::<f64>())
-            .collect();
-        Some(Self {
-            rows: Discrete::new(&row_weights)?,
-            columns,
+        Self::from_rows(weights.len() / width, |row| {
+            weights[row * width..(row + 1) * width].to_vec()
         })
     }
 
-    /// Samples a point of the unit square; also returns its density.
+    /// Makes the density from rows of one weight a cell; `None` as in [`Discrete::new`].
+    ///
+    /// Only one row of weights is in memory at a time: a density keeps 4 bytes a cell.
+    ///
+    /// - `row`: is asked once for each of `0..height`, in order; all rows are of one length.
+    pub fn from_rows(height: usize, mut row: impl FnMut(usize) -> Vec<f64>) -> Option<Self> {
+        let mut sums = Vec::with_capacity(height);
+        let mut columns = Vec::with_capacity(height);
+        for index in 0..height {
+            let weights = row(index);
+            sums.push(weights.iter().sum::<f64>());
+            columns.push(Discrete::new(&weights));
+        }
+        let rows = Discrete::new(&sums)?;
+        Some(Self { rows, columns })
+    }
+
+    /// Chooses a cell by two numbers, uniform in `[0, 1)`.
     #[inline]
-    pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
+    pub fn sample_cell(&self, u: Vec2) -> CellChoice {
         let row = self.rows.sample(u.y);
         let Some(columns) = &self.columns[row.index] else {
             unreachable!("a row without weight has probability zero");
         };
         let column = columns.sample(u.x);
-        let size = Vec2::new(columns.len() as f32, self.rows.len() as f32);
-        let cell = Vec2::new(column.index as f32, row.index as f32);
-        let offset = Vec2::new(column.remainder, row.remainder);
-        let point = ((cell + offset) / size).min(Vec2::splat(ONE_MINUS_EPSILON));
-        (
-            point,
-            row.probability * column.probability * size.x * size.y,
-        )
+        CellChoice {
+            column: column.index,
+            row: row.index,
+            probability: row.probability * column.probability,
+            remainder: Vec2::new(column.remainder, row.remainder),
+        }
+    }
+
+    /// Probability of a cell.
+    #[inline]
+    pub fn cell_probability(&self, column: usize, row: usize) -> f32 {
+        let Some(columns) = &self.columns[row] else {
+            return 0.0;
+        };
+        self.rows.probability(row) * columns.probability(column)
+    }
+
+    /// Samples a point of the unit square; also returns its density.
+    #[inline]
+    pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
+        let choice = self.sample_cell(u);
+        let width = self.columns[choice.row].as_ref().map_or(0, Discrete::len);
+        let size = Vec2::new(width as f32, self.rows.len() as f32);
+        let cell = Vec2::new(choice.column as f32, choice.row as f32);
+        let point = ((cell + choice.remainder) / size).min(Vec2::splat(ONE_MINUS_EPSILON));
+        (point, choice.probability * size.x * size.y)
     }
 
     /// Density at a point of the unit square.
@@ -132,7 +174,7 @@ impl PiecewiseConstant2d {
         };
         let (column, _) = cell(point.x, columns.len());
         let cells = (columns.len() * self.rows.len()) as f32;
-        self.rows.probability(row) * columns.probability(column) * cells
+        self.cell_probability(column, row) * cells
     }
 
     /// Undoes [`PiecewiseConstant2d::sample`] where the density is positive.

@@ -1,6 +1,6 @@
 //! Orthonormal frames, and directions that are written in one.
 
-use super::Vec3;
+use super::{Mat3, Mat4, Vec3};
 
 /// A direction in a shading frame: unit, pointing away from the surface, `z` along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,9 +128,47 @@ impl Frame {
     }
 }
 
+/// The axes of a transform without its scale and shear: unit and perpendicular, mirrored where the
+/// transform mirrors.
+///
+/// The z axis keeps its direction, the x axis its plane with z. `None` where the transform flattens
+/// them or holds numbers that are not finite.
+pub fn rotation_part(transform: Mat4) -> Option<Mat3> {
+    let column = |axis: glam::Vec4| axis.truncate().as_dvec3();
+    let z = column(transform.z_axis).try_normalize()?;
+    let x = column(transform.x_axis);
+    let x = (x - z * z.dot(x)).try_normalize()?;
+    let y = z.cross(x);
+    let side = y.dot(column(transform.y_axis));
+    let y = if side < 0.0 { -y } else { y };
+    let axes = Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3());
+    (side != 0.0 && axes.is_finite()).then_some(axes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rotation_part_drops_scale_and_shear_and_keeps_mirrors() {
+        let rotation = Mat4::from_rotation_y(0.4) * Mat4::from_rotation_x(-1.1);
+        let scaled = rotation * Mat4::from_scale(Vec3::new(-2.0, 3.0, 0.5));
+        let expected = Mat3::from_mat4(rotation * Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
+        assert!(rotation_part(scaled).unwrap().abs_diff_eq(expected, 1e-6));
+        let mut sheared = Mat4::IDENTITY;
+        sheared.x_axis.z = 0.7;
+        sheared.y_axis.x = -0.2;
+        assert!(
+            rotation_part(sheared)
+                .unwrap()
+                .abs_diff_eq(Mat3::IDENTITY, 1e-6)
+        );
+        assert_eq!(
+            rotation_part(Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0))),
+            None
+        );
+        assert_eq!(rotation_part(Mat4::NAN), None);
+    }
 
     fn check(frame: Frame) {
         let Frame {

@@ -14,7 +14,7 @@ pub mod statistics;
 mod transform;
 pub mod warp;
 
-pub use frame::{Frame, Local};
+pub use frame::{Frame, Local, rotation_part};
 pub use measure::{AreaDensity, SolidAngleDensity};
 pub use rgb::Rgb;
 pub use spectrum::{SpectralCurve, SpectralCurveError, blackbody, equal_energy_white};

@@ -136,6 +136,50 @@ pub fn uniform_triangle_inverse(barycentrics: Vec2) -> Vec2 {
     )
 }
 
+/// A number of `[0, 1]` whose density grows linearly from `at_0` to `at_1`, up to a factor.
+///
+/// - `at_0`, `at_1`: not negative, not both zero.
+#[inline]
+pub fn linear(u: f32, at_0: f32, at_1: f32) -> f32 {
+    let root = (at_0 * at_0 * (1.0 - u) + at_1 * at_1 * u).sqrt();
+    (u * (at_0 + at_1) / (at_0 + root)).min(1.0)
+}
+
+/// Undoes [`linear`].
+#[inline]
+pub fn linear_inverse(x: f32, at_0: f32, at_1: f32) -> f32 {
+    x * (2.0 * at_0 + x * (at_1 - at_0)) / (at_0 + at_1)
+}
+
+/// A point of the unit square whose density is bilinear, up to a factor.
+///
+/// - `corners`: the density at (0, 0), (1, 0), (0, 1) and (1, 1); not negative, not all zero.
+#[inline]
+pub fn bilinear(u: Vec2, corners: [f32; 4]) -> Vec2 {
+    let [a, b, c, d] = corners;
+    let y = linear(u.y, a + b, c + d);
+    let x = linear(u.x, a + (c - a) * y, b + (d - b) * y);
+    Vec2::new(x, y)
+}
+
+/// Undoes [`bilinear`].
+pub fn bilinear_inverse(point: Vec2, corners: [f32; 4]) -> Vec2 {
+    let [a, b, c, d] = corners;
+    let Vec2 { x, y } = point;
+    Vec2::new(
+        linear_inverse(x, a + (c - a) * y, b + (d - b) * y),
+        linear_inverse(y, a + b, c + d),
+    )
+}
+
+/// Density of [`bilinear`].
+#[inline]
+pub fn bilinear_density(point: Vec2, corners: [f32; 4]) -> f32 {
+    let [a, b, c, d] = corners;
+    let (top, bottom) = (a + (b - a) * point.x, c + (d - c) * point.x);
+    4.0 * (top + (bottom - top) * point.y) / (a + b + c + d)
+}
+
 /// Angle of a vector as a part of a full turn, in `[0, 1)`, from the x axis towards y.
 #[inline]
 pub fn turn(v: Vec2) -> f32 {
@@ -169,6 +213,13 @@ mod tests {
         check(|u| cosine_hemisphere_inverse(cosine_hemisphere(u)));
         check(|u| uniform_sphere_inverse(uniform_sphere(u)));
         check(|u| uniform_triangle_inverse(uniform_triangle(u)));
+        for corners in [
+            [1.0, 2.0, 3.0, 5.0],
+            [4.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 2.0],
+        ] {
+            check(|u| bilinear_inverse(bilinear(u, corners), corners));
+        }
         for one_minus_cos in [1e-6, 0.1, 1.0, 1.9] {
             check(|u| uniform_cone_inverse(uniform_cone(u, one_minus_cos), one_minus_cos));
         }

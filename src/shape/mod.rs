@@ -7,6 +7,8 @@ pub mod mesh;
 pub mod primitives;
 
 mod affine;
+#[cfg(test)]
+pub(crate) mod brute_force;
 mod cylinder;
 mod disk;
 mod sphere;

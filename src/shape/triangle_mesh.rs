@@ -83,12 +83,12 @@ impl TriangleMesh {
         let (to_b, to_c) = (b - a, c - a);
         let position = a + to_b * b1 + to_c * b2;
         let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let mut geometric_normal = to_b.cross(to_c).normalize_or(Vec3::Z);
+        let mut geometric_normal = unit_or(to_b.cross(to_c), Vec3::Z);
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
             let [na, nb, nc] = triangle.map(|i| normals[i as usize]);
             let interpolated = na * (1.0 - b1 - b2) + nb * b1 + nc * b2;
-            shading_normal = interpolated.normalize_or(geometric_normal);
+            shading_normal = unit_or(interpolated, geometric_normal);
             // The file's normals say which side is the front, whatever the winding.
             if shading_normal.dot(geometric_normal) < 0.0 {
                 geometric_normal = -geometric_normal;
@@ -173,5 +173,16 @@ impl ShapeModel for TriangleMesh {
         };
         let point = self.point(primitive, warp::uniform_triangle(u));
         (point, AreaDensity((1.0 / self.area) as f32))
+    }
+}
+
+/// A vector scaled to unit length; `fallback` where it has none.
+#[inline]
+fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
+    let length_squared = vector.length_squared();
+    if length_squared > 0.0 {
+        vector / length_squared.sqrt()
+    } else {
+        fallback
     }
 }

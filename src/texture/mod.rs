@@ -1,7 +1,11 @@
 //! Textures: values that vary over a surface.
 
+mod bitmap;
+mod checkerboard;
 mod constant;
 
+pub use bitmap::{Bitmap, Filter, Wrap};
+pub use checkerboard::Checkerboard;
 pub use constant::Constant;
 
 use crate::math::{Rgb, Vec2};
@@ -36,6 +40,12 @@ macro_rules! texture_models {
             $($(#[$doc])* $model($payload),)*
         }
 
+        $(impl From<$payload> for Texture {
+            fn from(texture: $payload) -> Self {
+                Self::$model(texture)
+            }
+        })*
+
         impl TextureModel for Texture {
             #[inline]
             fn colour(&self, uv: Vec2) -> Rgb {
@@ -56,13 +66,17 @@ macro_rules! texture_models {
 }
 
 texture_models! {
+    /// A picture.
+    Bitmap(Bitmap),
+    /// Squares of two colours.
+    Checkerboard(Checkerboard),
     /// One colour everywhere.
     Constant(Constant),
 }
 
 impl From<Rgb> for Texture {
     fn from(colour: Rgb) -> Self {
-        Self::Constant(Constant::new(colour))
+        Constant::new(colour).into()
     }
 }
 

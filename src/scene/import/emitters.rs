@@ -1,8 +1,10 @@
 //! Lights that are no surfaces.
 
+use std::sync::Arc;
+
 use super::loader::Loader;
 use super::xml::{ColourSource, ColourUse, ElementId, ElementReader};
-use crate::emitter::{Constant, Directional, Emitter, Envmap, Point, Spot};
+use crate::emitter::{Beam, Constant, Directional, Emitter, EmitterError, Envmap, Point, Spot};
 use crate::math::{Rgb, Transform, Vec3};
 use crate::texture::Texture;
 
@@ -86,13 +88,15 @@ impl Loader<'_> {
             Some(ColourSource::Constant(colour)) => Some(colour.into()),
             None => None,
         };
-        match Spot::new(to_world.matrix(), intensity, cutoff, beam, texture) {
-            Ok(spot) => Some(spot.into()),
-            Err(error) => {
-                reader.error("cutoff_angle", error.to_string());
-                None
-            }
-        }
+        let beam = Beam {
+            cutoff: cutoff.to_radians(),
+            full: beam.to_radians(),
+        };
+        noted(
+            reader,
+            "cutoff_angle",
+            Spot::new(to_world.matrix(), intensity, beam, texture),
+        )
     }
 
     fn directional(&self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
@@ -101,13 +105,8 @@ impl Loader<'_> {
         let irradiance = reader
             .colour("irradiance", ColourUse::Emission)
             .unwrap_or(Rgb::WHITE);
-        let world = to_world
-            .vector(direction.unwrap_or(Vec3::Z))
-            .try_normalize();
-        if world.is_none() {
-            reader.error("direction", "\"direction\" has no length");
-        }
-        Some(Directional::new(world?, irradiance).into())
+        let world = to_world.vector(direction.unwrap_or(Vec3::Z));
+        noted(reader, "direction", Directional::new(world, irradiance))
     }
 
     fn envmap(&mut self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
@@ -116,12 +115,22 @@ impl Loader<'_> {
         let file = reader.file("filename")?;
         let location = reader.element().location.clone();
         let bitmap = self.read_bitmap(&file, &location)?;
-        match Envmap::new(bitmap, to_world.matrix(), scale) {
-            Ok(envmap) => Some(envmap.into()),
-            Err(error) => {
-                reader.error("filename", error.to_string());
-                None
-            }
-        }
+        noted(
+            reader,
+            "filename",
+            Envmap::new(Arc::new(bitmap), to_world.matrix(), scale),
+        )
     }
+}
+
+/// Notes why an emitter's numbers make no emitter.
+fn noted<E: Into<Emitter>>(
+    reader: &ElementReader<'_>,
+    property: &str,
+    built: Result<E, EmitterError>,
+) -> Option<Emitter> {
+    built
+        .map(E::into)
+        .map_err(|error| reader.error(property, error.to_string()))
+        .ok()
 }

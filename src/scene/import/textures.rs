@@ -7,7 +7,7 @@ use super::loader::Loader;
 use super::xml::{ColourUse, ElementId, ElementReader, Location};
 use crate::image::{self, Bitmap, Transfer};
 use crate::math::{Mat3, Rgb, Vec2};
-use crate::texture::{self, Checkerboard, FilterMode, Texture, WrapMode};
+use crate::texture::{self, Checkerboard, Filter, Texture, Wrap};
 
 /// The plugins that are read, for "did you mean".
 const KNOWN: [&str; 2] = ["bitmap", "checkerboard"];
@@ -38,19 +38,23 @@ impl Loader<'_> {
         let file = reader.file("filename");
         let to_uv = self.to_uv(reader);
         let wraps = [
-            ("repeat", WrapMode::Repeat),
-            ("mirror", WrapMode::Mirror),
-            ("clamp", WrapMode::Clamp),
+            ("repeat", Wrap::Repeat),
+            ("mirror", Wrap::Mirror),
+            ("clamp", Wrap::Clamp),
+            ("zero", Wrap::Zero),
+            ("black", Wrap::Zero),
+            ("one", Wrap::One),
+            ("white", Wrap::One),
         ];
-        let wrap = reader.choice("wrap_mode", &wraps, WrapMode::Repeat);
+        let wrap = reader.choice("wrap_mode", &wraps, Wrap::Repeat);
         // The first generation's finer filters only differ where a texture is seen from far away.
         let filters = [
-            ("bilinear", FilterMode::Bilinear),
-            ("nearest", FilterMode::Nearest),
-            ("trilinear", FilterMode::Bilinear),
-            ("ewa", FilterMode::Bilinear),
+            ("bilinear", Filter::Bilinear),
+            ("nearest", Filter::Nearest),
+            ("trilinear", Filter::Bilinear),
+            ("ewa", Filter::Bilinear),
         ];
-        let filter = reader.choice("filter_type", &filters, FilterMode::Bilinear);
+        let filter = reader.choice("filter_type", &filters, Filter::Bilinear);
         let declared_raw = reader.boolean("raw", false);
         let gamma = reader.optional_float("gamma");
         reader.ignore(&["max_anisotropy", "cache", "format"]);
@@ -61,7 +65,7 @@ impl Loader<'_> {
             Some(gamma) if gamma > 0.0 => bitmap.with_transfer(Transfer::Gamma(gamma)),
             _ => bitmap,
         };
-        let texture = texture::Bitmap::new(Arc::new(bitmap), to_uv, wrap, filter);
+        let texture = texture::Bitmap::new(Arc::new(bitmap), filter, wrap, to_uv);
         Some(Texture::Bitmap(texture))
     }
 
@@ -73,7 +77,7 @@ impl Loader<'_> {
                 .unwrap_or(Rgb::grey(default))
         };
         let (first, second) = (colour("color0", 0.4), colour("color1", 0.2));
-        Texture::Checkerboard(Checkerboard::new(first, second, to_uv))
+        Texture::Checkerboard(Checkerboard::new([first, second], to_uv))
     }
 
     /// The map of texture coordinates: `to_uv`, or scales and offsets as the first generation has it.

@@ -1,0 +1,59 @@
+//! Squares of two colours.
+
+use super::TextureModel;
+use crate::math::{Mat3, Rgb, Vec2};
+
+/// Two by two squares in the unit square, repeated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkerboard {
+    colours: [Rgb; 2],
+    to_uv: Mat3,
+}
+
+impl Checkerboard {
+    /// Makes the texture.
+    ///
+    /// - `colours`: of the squares that touch the origin at (+, +) and (−, −), and of the others.
+    /// - `to_uv`: what surface coordinates are multiplied by before the lookup; affine.
+    pub fn new(colours: [Rgb; 2], to_uv: Mat3) -> Self {
+        Self { colours, to_uv }
+    }
+}
+
+impl TextureModel for Checkerboard {
+    #[inline]
+    fn colour(&self, uv: Vec2) -> Rgb {
+        let place = self.to_uv.transform_point2(uv);
+        let place = place - place.floor();
+        let other = (place.x < 0.5) != (place.y < 0.5);
+        self.colours[usize::from(other)]
+    }
+
+    fn mean(&self) -> Rgb {
+        (self.colours[0] + self.colours[1]) * 0.5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What Mitsuba 3.9.1 returns.
+    #[test]
+    fn squares_lie_where_mitsuba_has_them() {
+        let colours = [Rgb::grey(0.1), Rgb::grey(0.9)];
+        let board = Checkerboard::new(colours, Mat3::IDENTITY);
+        let at = |board: &Checkerboard, u, v| board.value(Vec2::new(u, v));
+        let u = [-0.6, -0.1, 0.1, 0.4, 0.6, 0.9, 1.1];
+        let row = [0.1, 0.9, 0.1, 0.1, 0.9, 0.9, 0.1];
+        for (u, value) in u.into_iter().zip(row) {
+            assert!((at(&board, u, 0.1) - value).abs() < 1e-6);
+            assert!((at(&board, u, 1.1) - value).abs() < 1e-6);
+            assert!((at(&board, u, 0.6) - (1.0 - value)).abs() < 1e-6);
+            assert!((at(&board, u, -0.1) - (1.0 - value)).abs() < 1e-6);
+        }
+        let fine = Checkerboard::new(colours, Mat3::from_scale(Vec2::splat(2.0)));
+        assert!((at(&fine, 0.3, 0.1) - 0.9).abs() < 1e-6);
+        assert!((fine.mean().g() - 0.5).abs() < 1e-6);
+    }
+}

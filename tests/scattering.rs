@@ -1,0 +1,348 @@
+//! What every material must fulfil besides its density: samples agree with `eval`, Diracs with
+//! `follow`, no energy is made, and light goes both ways.
+
+use lumiflow::bsdf::{Bsdf, BsdfModel, Component, DiracEvent, Transport};
+use lumiflow::math::statistics::{chi_square_p, sidak, two_sided_p};
+use lumiflow::math::{Local, Rgb, Vec2};
+use lumiflow::random::{Purpose, Stream};
+
+use crate::support::directions::Cells;
+use crate::support::faulty::{Fault, Faulty};
+use crate::support::materials::{Case, TRANSPORTS, cases, direction, numbers, surface_point};
+
+/// Outcome of a check; the text says what is wrong.
+type Outcome = Result<(), String>;
+
+fn close(a: Rgb, b: Rgb, tolerance: f32) -> bool {
+    (a - b).0.abs().max_element() <= tolerance * a.0.abs().max(b.0.abs()).max_element()
+}
+
+fn claim(holds: bool, text: impl FnOnce() -> String) -> Outcome {
+    if holds { Ok(()) } else { Err(text()) }
+}
+
+fn components(bsdf: &dyn BsdfModel) -> impl Iterator<Item = Component> + use<> {
+    (0..bsdf.component_count()).map(Component)
+}
+
+/// Every Dirac event of one direction.
+fn events(bsdf: &dyn BsdfModel, wi: Local, transport: Transport) -> Vec<(Component, DiracEvent)> {
+    let at = surface_point();
+    components(bsdf)
+        .filter_map(|c| Some((c, bsdf.follow(wi, &at, transport, c)?)))
+        .collect()
+}
+
+/// Runs one check on every example, from every view, for both transports.
+fn check_all(seed: u64, check: impl Fn(&mut Case) -> Outcome) {
+    for mut case in cases(seed) {
+        if let Err(text) = check(&mut case) {
+            panic!("{}: {text}", case.name);
+        }
+    }
+}
+
+/// A sample reports what `eval`, `density` and `follow` say about its direction.
+fn samples_agree(
+    bsdf: &dyn BsdfModel,
+    wi: Local,
+    transport: Transport,
+    stream: &mut Stream,
+) -> Outcome {
+    let at = surface_point();
+    for _ in 0..300 {
+        let (u_lobe, u) = numbers(stream);
+        let Some(sample) = bsdf.sample(wi, &at, transport, u_lobe, u) else {
+            continue;
+        };
+        let wo = sample.direction;
+        let (value, density, eta) = if sample.lobe.is_dirac() {
+            let event = bsdf
+                .follow(wi, &at, transport, sample.component)
+                .ok_or("a sampled Dirac cannot be followed")?;
+            claim(event.lobe == sample.lobe, || "lobes differ".into())?;
+            let way = event.direction.0.distance(wo.0);
+            claim(way < 1e-6, || format!("directions {way} apart"))?;
+            (event.coefficient, event.probability, event.eta)
+        } else {
+            let value = bsdf.eval(wi, wo, &at, transport);
+            let density = bsdf.density(wi, wo, &at);
+            let both = bsdf.eval_with_density(wi, wo, &at, transport);
+            claim(close(both.0, value, 1e-5), || "values differ".into())?;
+            let difference = (both.1.0 - density.0).abs();
+            claim(difference <= 1e-5 * density.0, || "densities differ".into())?;
+            (value, density.0, sample.eta)
+        };
+        claim(close(sample.value, value, 1e-4), || {
+            format!("value {:?}, not {value:?}", sample.value)
+        })?;
+        claim((sample.density - density).abs() <= 1e-4 * density, || {
+            format!("density {}, not {density}", sample.density)
+        })?;
+        claim(
+            close(sample.weight, sample.value / sample.density, 1e-4),
+            || format!("{sample:?}: weight is not value over density"),
+        )?;
+        claim(sample.eta == eta, || "eta differs".into())?;
+        let refracted = !wi.same_side(wo) || sample.eta == 1.0;
+        claim(wo.0.is_normalized() && refracted, || format!("{sample:?}"))?;
+    }
+    Ok(())
+}
+
+/// Chance that Dirac components are selected as often as `follow` says.
+fn selection_p(
+    bsdf: &dyn BsdfModel,
+    wi: Local,
+    transport: Transport,
+    stream: &mut Stream,
+) -> Option<f64> {
+    const COUNT: u32 = 20_000;
+    let at = surface_point();
+    // The last place counts finite lobes and directions without a sample.
+    let others = usize::from(bsdf.component_count());
+    let mut observed = vec![0.0; others + 1];
+    for _ in 0..COUNT {
+        let (u_lobe, u) = numbers(stream);
+        let dirac = bsdf
+            .sample(wi, &at, transport, u_lobe, u)
+            .filter(|sample| sample.lobe.is_dirac());
+        observed[dirac.map_or(others, |sample| usize::from(sample.component.0))] += 1.0;
+    }
+    let mut expected = vec![0.0; others + 1];
+    for (component, event) in events(bsdf, wi, transport) {
+        expected[usize::from(component.0)] = f64::from(COUNT) * f64::from(event.probability);
+    }
+    let rest = f64::from(COUNT) - expected.iter().sum::<f64>();
+    expected[others] = if rest < 1e-2 { 0.0 } else { rest };
+    let certain = expected.iter().filter(|e| **e > 0.0).count() < 2;
+    match chi_square_p(&observed, &expected) {
+        // One outcome only: it is that one or it is wrong.
+        None | Some(0.0) if certain => Some(f64::from(observed == expected)),
+        p => p,
+    }
+}
+
+/// Share of light from `wi` that leaves in some channels: by quadrature of `eval`, plus the Dirac
+/// coefficients.
+fn scattered<const N: usize>(
+    bsdf: &dyn BsdfModel,
+    wi: Local,
+    transport: Transport,
+    channels: [usize; N],
+    stream: &mut Stream,
+) -> [f64; N] {
+    let at = surface_point();
+    let dirac: Rgb = events(bsdf, wi, transport)
+        .iter()
+        .map(|(_, event)| event.coefficient)
+        .sum();
+    if !bsdf.lobes().finite {
+        return channels.map(|channel| f64::from(dirac[channel]));
+    }
+    let pilot: Vec<Local> = (0..2000)
+        .filter_map(|_| {
+            let (u_lobe, u) = numbers(stream);
+            let sample = bsdf.sample(wi, &at, transport, u_lobe, u)?;
+            (!sample.lobe.is_dirac()).then_some(sample.direction)
+        })
+        .collect();
+    let cells = Cells::around(pilot);
+    channels.map(|channel| {
+        let value = |wo| f64::from(bsdf.eval(wi, wo, &at, transport)[channel]);
+        cells.integral(value) + f64::from(dirac[channel])
+    })
+}
+
+/// No channel sends out more than it gets, carried as importance: power is that, without the
+/// concentration of radiance.
+fn no_energy_is_made(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Outcome {
+    let scattered = scattered(bsdf, wi, Transport::Importance, [0, 1, 2], stream);
+    claim(scattered.iter().all(|s| *s <= 1.0 + 1e-3), || {
+        format!("scatters {scattered:?}")
+    })
+}
+
+/// Chance that the mean weight of samples is what `eval` and `follow` say.
+fn mean_weight_p(
+    bsdf: &dyn BsdfModel,
+    wi: Local,
+    transport: Transport,
+    stream: &mut Stream,
+) -> f64 {
+    /// Relative error of the quadrature.
+    const QUADRATURE: f64 = 2e-4;
+    const COUNT: f64 = 10_000.0;
+    let at = surface_point();
+    let [exact] = scattered(bsdf, wi, transport, [0], stream);
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for _ in 0..COUNT as u32 {
+        let (u_lobe, u) = numbers(stream);
+        let sample = bsdf.sample(wi, &at, transport, u_lobe, u);
+        let weight = sample.map_or(0.0, |sample| f64::from(sample.weight.r()));
+        sum += weight;
+        squares += weight * weight;
+    }
+    let mean = sum / COUNT;
+    let variance = (squares / COUNT - mean * mean).max(0.0) / COUNT;
+    let deviation = (variance + (QUADRATURE * exact).powi(2) + 1e-12).sqrt();
+    two_sided_p((mean - exact) / deviation)
+}
+
+/// Importance from `wi` to `wo` is scattered as radiance from `wo` to `wi`.
+///
+/// `f*(wi → wo) = f(wo → wi)`; a Dirac's coefficient gains the ratio of the projected solid angles,
+/// `(η_i / η_o)²`.
+///
+/// Source: Veach 1997, Ch. 3 and 5.
+fn light_goes_both_ways(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Outcome {
+    const TOLERANCE: f32 = 3e-3;
+    let at = surface_point();
+    for _ in 0..100 {
+        let (u_lobe, u) = numbers(stream);
+        let Some(sample) = bsdf.sample(wi, &at, Transport::Importance, u_lobe, u) else {
+            continue;
+        };
+        let wo = sample.direction;
+        // In the plane of the surface there is nothing left to compare.
+        if wo.abs_cos() < 1e-3 {
+            continue;
+        }
+        let (there, back) = if sample.lobe.is_dirac() {
+            let back = bsdf
+                .follow(wo, &at, Transport::Radiance, sample.component)
+                .ok_or("a Dirac has no way back")?;
+            let apart = back.direction.0.distance(wi.0);
+            claim(apart < 1e-3, || format!("the way back is {apart} off"))?;
+            (sample.value, back.coefficient * (sample.eta * sample.eta))
+        } else {
+            let there = bsdf.eval(wi, wo, &at, Transport::Importance) / wo.abs_cos();
+            let back = bsdf.eval(wo, wi, &at, Transport::Radiance) / wi.abs_cos();
+            (there, back)
+        };
+        claim(close(there, back, TOLERANCE), || {
+            format!("{there:?} to {wo:?}, {back:?} back")
+        })?;
+    }
+    Ok(())
+}
+
+#[test]
+fn samples_agree_with_eval_density_and_follow() {
+    check_all(21, |case| {
+        samples_agree(&case.bsdf, case.wi, case.transport, &mut case.stream)
+    });
+}
+
+#[test]
+fn diracs_are_selected_with_their_probabilities() {
+    let cases: Vec<Case> = cases(22)
+        .into_iter()
+        .filter(|case| case.bsdf.lobes().dirac)
+        .collect();
+    let level = sidak(0.01, cases.len());
+    for mut case in cases {
+        let p = selection_p(&case.bsdf, case.wi, case.transport, &mut case.stream);
+        assert!(p.unwrap_or(1.0) > level, "{}: p = {p:?}", case.name);
+    }
+}
+
+#[test]
+fn no_material_makes_energy() {
+    check_all(23, |case| match case.transport {
+        Transport::Importance => no_energy_is_made(&case.bsdf, case.wi, &mut case.stream),
+        Transport::Radiance => Ok(()),
+    });
+}
+
+#[test]
+fn mean_weights_are_the_integral_of_eval() {
+    let cases = cases(24);
+    let level = sidak(0.01, cases.len());
+    for mut case in cases {
+        let p = mean_weight_p(&case.bsdf, case.wi, case.transport, &mut case.stream);
+        assert!(p > level, "{}: p = {p:.2e}", case.name);
+    }
+}
+
+#[test]
+fn radiance_and_importance_are_adjoint() {
+    check_all(25, |case| {
+        light_goes_both_ways(&case.bsdf, case.wi, &mut case.stream)
+    });
+}
+
+#[test]
+fn nothing_breaks_at_the_edges() {
+    let at = surface_point();
+    let largest = 1.0 - f32::EPSILON / 2.0;
+    let mut views = vec![Local::new(1.0, 0.0, 0.0), Local::new(0.0, -1.0, -0.0)];
+    for cos in [1e-3_f32, 1e-6, 1e-12, 1e-30] {
+        views.push(Local::new((1.0 - cos * cos).sqrt(), 0.0, cos));
+        views.push(Local::new(0.0, (1.0 - cos * cos).sqrt(), -cos));
+    }
+    views.extend([Local::NORMAL, Local::NORMAL.flipped(), direction(60.0, 0.0)]);
+    for bsdf in Bsdf::examples() {
+        for (wi, transport) in views.iter().flat_map(|wi| TRANSPORTS.map(|t| (*wi, t))) {
+            for wo in &views {
+                let (value, density) = bsdf.eval_with_density(wi, *wo, &at, transport);
+                assert!(
+                    value.is_finite() && value.0.min_element() >= 0.0 && density.0 >= 0.0,
+                    "{bsdf:?} {wi:?} {wo:?}: {value:?} {density:?}"
+                );
+            }
+            for (u_lobe, u_x, u_y) in [0.0, 0.5, largest]
+                .into_iter()
+                .flat_map(|a| [0.0, 0.5, largest].map(|b| (a, b)))
+                .flat_map(|(a, b)| [0.0, 0.5, largest].map(|c| (a, b, c)))
+            {
+                let u = Vec2::new(u_x, u_y);
+                if let Some(sample) = bsdf.sample(wi, &at, transport, u_lobe, u) {
+                    let weight = sample.weight;
+                    assert!(
+                        weight.is_finite() && weight.max_channel() < 20.0 && sample.density > 0.0,
+                        "{} {wi:?} {u_lobe} {u}: {sample:?}",
+                        bsdf.name()
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn planted_errors_are_found() {
+    let mut stream = Stream::new(26, Purpose::Check, 0, 0);
+    let stream = &mut stream;
+    let example = |name: &str| {
+        let all = Bsdf::examples();
+        let found = all.into_iter().find(|bsdf| bsdf.name() == name);
+        found.unwrap_or_else(|| panic!("no example of {name}"))
+    };
+    let faulty = |name: &str, fault| Faulty {
+        bsdf: example(name),
+        fault,
+    };
+    let wi = direction(50.0, 70.0);
+    let (radiance, importance) = (Transport::Radiance, Transport::Importance);
+    for name in ["Diffuse", "TwoSided", "RoughDielectric", "RoughPlastic"] {
+        for fault in [Fault::Density, Fault::Cosine] {
+            assert!(samples_agree(&faulty(name, fault), wi, importance, stream).is_err());
+        }
+        let energy = faulty(name, Fault::Energy);
+        assert!(no_energy_is_made(&energy, wi, stream).is_err());
+        assert!(mean_weight_p(&faulty(name, Fault::Weight), wi, radiance, stream) < 1e-3);
+        let cosine = faulty(name, Fault::Cosine);
+        assert!(light_goes_both_ways(&cosine, wi, stream).is_err());
+    }
+    for name in ["Dielectric", "Plastic"] {
+        let selection = faulty(name, Fault::Selection);
+        assert!(samples_agree(&selection, wi, radiance, stream).is_err());
+        let p = selection_p(&selection, wi, radiance, stream);
+        assert!(p.is_some_and(|p| p < 1e-3), "{p:?}");
+    }
+    for name in ["Dielectric", "RoughDielectric"] {
+        let flat = faulty(name, Fault::EtaSquared);
+        assert!(light_goes_both_ways(&flat, wi, stream).is_err());
+    }
+}

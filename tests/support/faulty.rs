@@ -1,0 +1,107 @@
+//! Materials with planted errors: they prove that the tests can fail.
+
+use lumiflow::bsdf::{Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, LobeSet, Transport};
+use lumiflow::math::{Local, Rgb, SolidAngleDensity, Vec2};
+use lumiflow::shape::SurfacePoint;
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// `density` is 5 % too large.
+    Density,
+    /// `eval` has the cosine of `wi`, not that of `wo`.
+    Cosine,
+    /// Samples weigh 2 % too much.
+    Weight,
+    /// Three times as much is scattered.
+    Energy,
+    /// The change of radiance with the index is left out.
+    EtaSquared,
+    /// `follow` gives probabilities 5 % too small.
+    Selection,
+}
+
+/// A material with one fault.
+pub(crate) struct Faulty {
+    pub(crate) bsdf: Bsdf,
+    pub(crate) fault: Fault,
+}
+
+impl Faulty {
+    fn is(&self, fault: Fault) -> bool {
+        self.fault == fault
+    }
+
+    fn transport(&self, transport: Transport) -> Transport {
+        if self.is(Fault::EtaSquared) {
+            Transport::Importance
+        } else {
+            transport
+        }
+    }
+
+    fn scale(&self) -> f32 {
+        if self.is(Fault::Energy) { 3.0 } else { 1.0 }
+    }
+}
+
+impl BsdfModel for Faulty {
+    fn examples() -> Vec<Self> {
+        Vec::new()
+    }
+
+    fn lobes(&self) -> LobeSet {
+        self.bsdf.lobes()
+    }
+
+    fn sample(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
+        let transport = self.transport(transport);
+        let mut sample = self.bsdf.sample(wi, at, transport, u_lobe, u)?;
+        sample.value *= self.scale();
+        sample.weight *= self.scale() * if self.is(Fault::Weight) { 1.02 } else { 1.0 };
+        Some(sample)
+    }
+
+    fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb {
+        let value = self.bsdf.eval(wi, wo, at, self.transport(transport)) * self.scale();
+        if self.is(Fault::Cosine) {
+            value * (wi.abs_cos() / wo.abs_cos())
+        } else {
+            value
+        }
+    }
+
+    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+        let scale = if self.is(Fault::Density) { 1.05 } else { 1.0 };
+        SolidAngleDensity(self.bsdf.density(wi, wo, at).0 * scale)
+    }
+
+    fn follow(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        component: Component,
+    ) -> Option<DiracEvent> {
+        let transport = self.transport(transport);
+        let mut event = self.bsdf.follow(wi, at, transport, component)?;
+        event.coefficient *= self.scale();
+        event.probability *= if self.is(Fault::Selection) { 0.95 } else { 1.0 };
+        Some(event)
+    }
+
+    fn component_count(&self) -> u8 {
+        self.bsdf.component_count()
+    }
+
+    fn albedo(&self, at: &SurfacePoint) -> Rgb {
+        self.bsdf.albedo(at)
+    }
+}

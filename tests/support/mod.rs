@@ -1,0 +1,5 @@
+//! What several integration tests share.
+
+pub(crate) mod directions;
+pub(crate) mod faulty;
+pub(crate) mod materials;
