@@ -1,7 +1,7 @@
 //! Lets the loader find a private Embree, and records which revision of the sources is built.
 //!
 //! Sets environment variables for the crate: `LUMIFLOW_GIT_REVISION`, what `git describe` calls this
-//! checkout (`unknown` outside of one), and `LUMIFLOW_OPENEXR_HEADERS`, the version of the OpenEXR
+//! checkout (`unknown` outside of one), and `LUMIFLOW_OPENEXR_HEADERS`, the version of the `OpenEXR`
 //! headers that are built with.
 
 use std::env;

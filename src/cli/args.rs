@@ -1,4 +1,8 @@
 //! The command line: what can be said, and the help that explains it.
+#![expect(
+    clippy::doc_markdown,
+    reason = "the comments of fields are the help, which shows backticks as they are"
+)]
 
 use std::path::PathBuf;
 
@@ -89,7 +93,7 @@ pub(super) struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<String>,
 
-    /// Algorithm: path, direct or depth [default: the scene's]
+    /// Algorithm, such as path; the long help lists all [default: the scene's]
     #[arg(short, long, value_name = "NAME")]
     pub(super) integrator: Option<String>,
 

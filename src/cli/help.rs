@@ -18,7 +18,7 @@ Examples:
   lumiflow render */scene.xml -o 'out/{name}.exr' -i path --set max_depth=8
 
 Ctrl-C writes what is rendered so far, in whole passes; a second one ends at once.
-`lumiflow help render` lists the options of the integrators.";
+`lumiflow help render` lists the integrators with their options.";
 
 /// Below the help of `convert`.
 pub(super) const CONVERT_EXAMPLES: &str = "\

@@ -28,11 +28,11 @@ use crate::scene::import::{Imported, View};
 
 /// Renders the scenes one after the other; returns the exit code.
 ///
-/// A scene that fails does not keep the others from being rendered; the first failure decides about
-/// the exit code.
+/// A scene that fails says so and does not keep the others from being rendered; the first failure
+/// decides about the exit code.
 ///
 /// # Errors
-/// What the command line has wrong, files that cannot be written, and the last scene's failure.
+/// What the command line has wrong, and files that cannot be written.
 pub(super) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     plan::check_names(args)?;
     let targets = outputs::targets(&args.scenes, &args.output)?;
@@ -47,15 +47,20 @@ pub(super) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     };
     let mut code = 0;
     for target in &targets {
-        if let Err(failure) = pool.install(|| session.render(target)) {
-            failure.report("render");
-            if matches!(failure, Failure::Usage(_)) {
-                return Ok(failure.exit_code());
+        let failed = match pool.install(|| session.render(target)) {
+            Ok(()) => None,
+            // It would be wrong for the other scenes, too.
+            Err(failure @ Failure::Usage(_)) => return Err(failure),
+            Err(failure) => {
+                failure.report("render");
+                Some(failure.exit_code())
             }
-            code = if code == 0 { failure.exit_code() } else { code };
-        }
+        };
         if let Some(interrupted) = interruption.exit_code() {
-            return Ok(interrupted);
+            return Ok(failed.unwrap_or(interrupted));
+        }
+        if code == 0 {
+            code = failed.unwrap_or(0);
         }
     }
     Ok(code)

@@ -92,6 +92,32 @@ fn nothing_rendered_leaves_no_file() {
 }
 
 #[test]
+fn a_folder_that_vanishes_is_a_failure_of_writing() {
+    let place = Place::with_room();
+    place.write("out/keep", "");
+    let render = [
+        "render",
+        "room.xml",
+        "--time",
+        "1000000",
+        "-q",
+        "-o",
+        "out/a.exr",
+    ];
+    let child = place.command(&render).spawn().expect("the command starts");
+    thread::sleep(Duration::from_millis(1500));
+    std::fs::remove_dir_all(place.path("out")).unwrap();
+    send("TERM", &child);
+    let done = finish(child);
+    assert_eq!(done.code, Some(4), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("cannot write out/a.exr"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
 fn lines_tell_of_progress_where_there_is_no_terminal() {
     let place = Place::with_room();
     let render = ["render", "room.xml", "--time", "1000000"];

@@ -119,3 +119,13 @@ fn crops_have_four_numbers() {
         assert!(crop(broken).is_err(), "{broken}");
     }
 }
+
+#[test]
+fn the_help_names_every_layer() {
+    let mut command = Cli::command();
+    let render = command.find_subcommand_mut("render").unwrap();
+    let help = render.render_help().to_string();
+    for (name, _) in crate::integrator::Aov::NAMES {
+        assert!(help.contains(name), "{name}");
+    }
+}
