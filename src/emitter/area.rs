@@ -13,6 +13,11 @@ use crate::texture::{Checkerboard, Texture, TextureModel};
 pub struct Area {
     shape: Arc<Shape>,
     radiance: Texture,
+    /// Middle of the shape, and the mean squared distance of its points from there.
+    centre: Vec3,
+    spread: f32,
+    /// Radiant intensity of the shape seen face on from afar, as luminance in W·sr⁻¹.
+    intensity: f32,
 }
 
 impl Area {
@@ -21,9 +26,15 @@ impl Area {
     /// - `shape`: prepared for sampling.
     /// - `radiance`: emitted radiance in W·m⁻²·sr⁻¹.
     pub fn new(shape: Arc<Shape>, radiance: impl Into<Texture>) -> Self {
+        let (centre, spread) = middle(&shape);
+        let radiance = radiance.into();
+        let intensity = shape.area() as f32 * radiance.mean().luminance();
         Self {
             shape,
-            radiance: radiance.into(),
+            radiance,
+            centre,
+            spread,
+            intensity,
         }
     }
 
@@ -31,6 +42,23 @@ impl Area {
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
+}
+
+/// Middle of a shape and the mean squared distance of its points from there, from a few of them.
+fn middle(shape: &Shape) -> (Vec3, f32) {
+    const SIDE: u32 = 8;
+    let points: Vec<Vec3> = (0..SIDE * SIDE)
+        .map(|i| (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32)
+        .map(|u| shape.sample_area(u).0.position)
+        .collect();
+    let count = points.len() as f32;
+    let centre = points.iter().sum::<Vec3>() / count;
+    let spread = points
+        .iter()
+        .map(|p| p.distance_squared(centre))
+        .sum::<f32>()
+        / count;
+    (centre, spread)
 }
 
 impl EmitterModel for Area {
@@ -59,7 +87,13 @@ impl EmitterModel for Area {
     }
 
     fn power(&self) -> f64 {
-        PI * self.shape.area() * f64::from(self.radiance.mean().luminance())
+        PI * f64::from(self.intensity)
+    }
+
+    #[inline]
+    fn influence(&self, from: Vec3) -> f32 {
+        let distance_squared = self.centre.distance_squared(from) + self.spread;
+        self.intensity / distance_squared.max(1e-20)
     }
 
     #[inline]

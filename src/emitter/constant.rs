@@ -44,6 +44,11 @@ impl EmitterModel for Constant {
     }
 
     #[inline]
+    fn influence(&self, _from: Vec3) -> f32 {
+        std::f32::consts::PI * self.radiance.luminance()
+    }
+
+    #[inline]
     fn environment_radiance(&self, _toward: Vec3) -> Rgb {
         self.radiance
     }

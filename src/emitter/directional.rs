@@ -54,6 +54,11 @@ impl EmitterModel for Directional {
     }
 
     #[inline]
+    fn influence(&self, _from: Vec3) -> f32 {
+        self.irradiance.luminance()
+    }
+
+    #[inline]
     fn sample_toward(&self, _from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         Some(EmitterSample {
             direction: -self.direction,

@@ -116,8 +116,12 @@ pub trait EmitterModel {
         let _ = bounds;
     }
 
-    /// Emitted power in W, as luminance: emitters are chosen in proportion to it.
+    /// Emitted power in W, as luminance.
     fn power(&self) -> f64;
+
+    /// Roughly the irradiance, as luminance in W·m⁻², that the emitter causes at a point, whatever
+    /// faces it or stands in between: emitters are chosen in proportion to it. Never negative.
+    fn influence(&self, from: Vec3) -> f32;
 
     /// Radiance that leaves the point of an area light in a direction away from it; zero behind.
     fn radiance(&self, at: &SurfacePoint, direction: Vec3) -> Rgb {
@@ -178,6 +182,10 @@ macro_rules! emitter_models {
             }
             fn set_scene_bounds(&mut self, bounds: SceneBounds) {
                 match self { $(Self::$model(e) => e.set_scene_bounds(bounds),)* }
+            }
+            #[inline]
+            fn influence(&self, from: Vec3) -> f32 {
+                match self { $(Self::$model(e) => e.influence(from),)* }
             }
             fn power(&self) -> f64 {
                 match self { $(Self::$model(e) => e.power(),)* }

@@ -42,6 +42,11 @@ impl EmitterModel for Point {
     }
 
     #[inline]
+    fn influence(&self, from: Vec3) -> f32 {
+        self.intensity.luminance() / (self.position - from).length_squared().max(1e-20)
+    }
+
+    #[inline]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let distance_squared = edge.length_squared();

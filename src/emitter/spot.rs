@@ -181,6 +181,18 @@ impl EmitterModel for Spot {
     }
 
     #[inline]
+    fn influence(&self, from: Vec3) -> f32 {
+        let edge = from - self.position;
+        let distance_squared = edge.length_squared().max(1e-20);
+        let angle = edge.angle_between(self.axes.z_axis);
+        if angle >= self.beam.cutoff {
+            return 0.0;
+        }
+        // Without the slide, whose dark spots may lie beside bright ones.
+        self.intensity.luminance() * self.beam.falloff(angle) / distance_squared
+    }
+
+    #[inline]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let direction = edge.try_normalize()?;

@@ -104,7 +104,7 @@ impl Direct {
                 let lights = scene.lights();
                 (
                     lights.environment_radiance(toward),
-                    lights.environment_density(toward).0,
+                    lights.environment_density(hit.point.position, toward).0,
                 )
             }
         };

@@ -42,7 +42,8 @@ struct Departure {
 /// What a path carries along.
 struct Walk {
     throughput: Rgb,
-    /// Product of the squared indices' ratios crossed so far: radiance grows by its inverse.
+    /// Product of [`BsdfSample::eta`] over the events so far: refraction has made radiance grow by
+    /// its square.
     eta: f32,
     departure: Departure,
 }
@@ -66,7 +67,8 @@ impl PathTracer {
     fn met_environment(&self, scene: &Scene, walk: &Walk, toward: Vec3) -> Rgb {
         let radiance = scene.lights().environment_radiance(toward);
         let weight = walk.departure.density.map_or(1.0, |own| {
-            let other = scene.lights().environment_density(toward).0;
+            let from = walk.departure.position;
+            let other = scene.lights().environment_density(from, toward).0;
             self.heuristic.second_weight(other, own)
         });
         radiance * weight
@@ -144,7 +146,8 @@ impl PathTracer {
             return true;
         }
         // Without the growth by refraction, which is undone on the way out.
-        let survival = (walk.throughput.max_channel() * walk.eta * walk.eta).min(0.95);
+        let energy = walk.throughput.max_channel() / (walk.eta * walk.eta);
+        let survival = energy.min(0.95);
         if sampler.next_1d() >= survival {
             return false;
         }

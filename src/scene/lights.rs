@@ -1,16 +1,21 @@
 //! The table of emitters, and the choice among them.
 
 use super::EmitterId;
-use crate::emitter::{Emitter, EmitterModel, EmitterSample};
-use crate::math::distribution::Discrete;
-use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
+use crate::emitter::{Emitter, EmitterClass, EmitterModel, EmitterSample};
+use crate::math::distribution::{Choice, Discrete};
+use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
 
-/// All emitters of a scene; one is chosen in proportion to its power.
+/// All emitters of a scene, and how one of them is chosen.
+///
+/// Few emitters are chosen by their [`EmitterModel::influence`] at the point that asks, many by
+/// their power. In both cases a tenth of the choices is uniform: influence and power know nothing of
+/// walls and of what faces where, and an emitter must not be all but forgotten where it is the only
+/// one that counts.
 #[derive(Clone, Debug)]
 pub struct Lights {
     emitters: Vec<Emitter>,
-    choice: Option<Discrete>,
+    by_power: Option<Discrete>,
     environment: Option<EmitterId>,
 }
 
@@ -23,17 +28,27 @@ pub struct ChosenSample {
     pub emitter: EmitterId,
 }
 
+/// Up to so many emitters are weighed at each point; the time of a choice grows with them.
+const WEIGHED: usize = 16;
+
+/// Share of choices that are uniform.
+const UNIFORM: f32 = 0.1;
+
 impl Lights {
     /// Makes the table.
-    ///
-    /// An emitter without power is never chosen; if none has any, all are equally likely.
     pub(super) fn new(emitters: Vec<Emitter>) -> Self {
         let powers: Vec<f64> = emitters.iter().map(EmitterModel::power).collect();
-        let choice = Discrete::new(&powers).or_else(|| Discrete::new(&vec![1.0; emitters.len()]));
-        let is_environment = |e: &Emitter| e.class() == crate::emitter::EmitterClass::Environment;
+        let total: f64 = powers.iter().sum();
+        let uniform = 1.0 / emitters.len().max(1) as f64;
+        let share = |power: f64| if total > 0.0 { power / total } else { uniform };
+        let mixed: Vec<f64> = powers
+            .iter()
+            .map(|power| (1.0 - f64::from(UNIFORM)) * share(*power) + f64::from(UNIFORM) * uniform)
+            .collect();
+        let is_environment = |e: &Emitter| e.class() == EmitterClass::Environment;
         let environment = emitters.iter().position(is_environment);
         Self {
-            choice,
+            by_power: Discrete::new(&mixed),
             environment: environment.map(|i| EmitterId(i as u32)),
             emitters,
         }
@@ -55,12 +70,48 @@ impl Lights {
         &self.emitters[id.0 as usize]
     }
 
-    /// Probability with which an emitter is chosen.
+    /// Probability with which an emitter is chosen at a point.
     #[inline]
-    pub fn probability(&self, id: EmitterId) -> f32 {
-        self.choice
-            .as_ref()
-            .map_or(0.0, |choice| choice.probability(id.0 as usize))
+    pub fn probability(&self, id: EmitterId, from: Vec3) -> f32 {
+        match self.emitters.len() {
+            1 => 1.0,
+            2..=WEIGHED => self.weighed(from).probability(id.0 as usize),
+            _ => self
+                .by_power
+                .as_ref()
+                .map_or(0.0, |choice| choice.probability(id.0 as usize)),
+        }
+    }
+
+    /// Chooses an emitter at a point.
+    ///
+    /// - `u`: uniform in `[0, 1)`.
+    #[inline]
+    fn choose(&self, from: Vec3, u: f32) -> Option<Choice> {
+        match self.emitters.len() {
+            0 => None,
+            1 => Some(Choice {
+                index: 0,
+                probability: 1.0,
+                remainder: u,
+            }),
+            2..=WEIGHED => Some(self.weighed(from).choose(u)),
+            _ => self.by_power.as_ref().map(|choice| choice.sample(u)),
+        }
+    }
+
+    /// The influences of few emitters at a point.
+    fn weighed(&self, from: Vec3) -> Weighed {
+        let mut weights = [0.0; WEIGHED];
+        for (weight, emitter) in weights.iter_mut().zip(&self.emitters) {
+            *weight = emitter.influence(from);
+        }
+        let total = weights.iter().sum();
+        Weighed {
+            weights,
+            total,
+            count: self.emitters.len(),
+        }
     }
 
     /// Chooses an emitter and samples a direction to it.
@@ -68,7 +119,7 @@ impl Lights {
     /// - `u`: uniform in the unit square; the choice takes its share of `u.x`.
     #[inline]
     pub fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<ChosenSample> {
-        let choice = self.choice.as_ref()?.sample(u.x);
+        let choice = self.choose(from, u.x)?;
         let emitter = EmitterId(choice.index as u32);
         let mut sample = self
             .get(emitter)
@@ -85,7 +136,7 @@ impl Lights {
         from: Vec3,
         at: &SurfacePoint,
     ) -> SolidAngleDensity {
-        SolidAngleDensity(self.probability(id) * self.get(id).density_toward(from, at).0)
+        SolidAngleDensity(self.probability(id, from) * self.get(id).density_toward(from, at).0)
     }
 
     /// Radiance that arrives from the unit direction `toward` infinity.
@@ -97,9 +148,97 @@ impl Lights {
 
     /// Density with which [`Lights::sample_toward`] makes the unit direction `toward` infinity.
     #[inline]
-    pub fn environment_density(&self, toward: Vec3) -> SolidAngleDensity {
+    pub fn environment_density(&self, from: Vec3, toward: Vec3) -> SolidAngleDensity {
         self.environment.map_or(SolidAngleDensity::ZERO, |id| {
-            SolidAngleDensity(self.probability(id) * self.get(id).environment_density(toward).0)
+            let density = self.get(id).environment_density(toward).0;
+            SolidAngleDensity(self.probability(id, from) * density)
         })
+    }
+}
+
+/// The influences of few emitters at one point.
+struct Weighed {
+    weights: [f32; WEIGHED],
+    total: f32,
+    count: usize,
+}
+
+impl Weighed {
+    fn probability(&self, index: usize) -> f32 {
+        let uniform = 1.0 / self.count as f32;
+        // Far out, or right at a point light, the sum may leave the range of numbers.
+        if !(self.total > 0.0 && self.total.is_finite()) {
+            return uniform;
+        }
+        (1.0 - UNIFORM) * self.weights[index] / self.total + UNIFORM * uniform
+    }
+
+    fn choose(&self, u: f32) -> Choice {
+        let mut below = 0.0;
+        for index in 0..self.count {
+            let probability = self.probability(index);
+            // The last one takes what rounding has left.
+            if u < below + probability || index + 1 == self.count {
+                let remainder = ((u - below) / probability).clamp(0.0, warp::ONE_MINUS_EPSILON);
+                return Choice {
+                    index,
+                    probability,
+                    remainder,
+                };
+            }
+            below += probability;
+        }
+        unreachable!("there is at least one emitter")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emitter::{Constant, Point};
+
+    fn points(count: usize) -> Lights {
+        let point =
+            |i: usize| Point::new(Vec3::new(i as f32, 0.0, 0.0), Rgb::grey(1.0 + i as f32)).into();
+        Lights::new((0..count).map(point).collect())
+    }
+
+    #[test]
+    fn choices_have_the_probability_they_say() {
+        let from = Vec3::new(0.2, 1.0, 0.0);
+        for count in [1, 2, 7, WEIGHED, WEIGHED + 1, 40] {
+            let lights = points(count);
+            let n = 20_000;
+            let mut counts = vec![0; count];
+            for i in 0..n {
+                let u = (i as f32 + 0.5) / n as f32;
+                let choice = lights.choose(from, u).unwrap();
+                counts[choice.index] += 1;
+                assert!((0.0..1.0).contains(&choice.remainder));
+                let probability = lights.probability(EmitterId(choice.index as u32), from);
+                assert!((choice.probability - probability).abs() < 1e-6);
+            }
+            for (index, found) in counts.into_iter().enumerate() {
+                let expected = lights.probability(EmitterId(index as u32), from) * n as f32;
+                assert!(
+                    (found as f32 - expected).abs() < 3.0,
+                    "{count}: {found}, {expected}"
+                );
+                assert!(found > 0, "no emitter is forgotten");
+            }
+        }
+        assert!(points(0).choose(from, 0.5).is_none());
+    }
+
+    #[test]
+    fn near_lights_are_preferred_and_broken_sums_are_survived() {
+        let lights = points(3);
+        let near = lights.probability(EmitterId(2), Vec3::new(2.0, 0.1, 0.0));
+        assert!(near > 0.9, "{near}");
+        let lights = Lights::new(vec![
+            Constant::new(Rgb::grey(f32::MAX)).into(),
+            Constant::new(Rgb::grey(f32::MAX)).into(),
+        ]);
+        assert_eq!(lights.probability(EmitterId(0), Vec3::ZERO), 0.5);
     }
 }

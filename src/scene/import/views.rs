@@ -288,13 +288,16 @@ impl Loader<'_> {
         ];
         let axis = reader.choice("fov_axis", &axes, FieldOfViewAxis::X);
         let field_of_view = reader.optional_float("fov");
-        let (field_of_view, axis) = match self.focal_length(reader) {
-            Some(of_lens) if field_of_view.is_none() => (of_lens, FieldOfViewAxis::Diagonal),
-            Some(_) => {
-                reader.warning("focal_length", "\"fov\" is given, too, and is used instead");
-                (field_of_view.unwrap_or(50.0), axis)
+        let of_lens = self.focal_length(reader);
+        if field_of_view.is_some() && of_lens.is_some() {
+            reader.warning("focal_length", "\"fov\" is given, too, and is used instead");
+        }
+        let (field_of_view, axis) = match field_of_view {
+            Some(field_of_view) => (field_of_view, axis),
+            None => {
+                let default = PerspectiveSettings::field_of_view_of_focal_length(50.0);
+                (of_lens.unwrap_or(default), FieldOfViewAxis::Diagonal)
             }
-            None => (field_of_view.unwrap_or(50.0), axis),
         };
         let offset_x = reader.float("principal_point_offset_x", 0.0);
         let offset_y = reader.float("principal_point_offset_y", 0.0);
