@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::affine::{axes_and_origin, rows};
 use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::Geometry;
-use crate::math::{AreaDensity, Frame, Mat4, Vec2, Vec3, warp};
+use crate::math::{AreaDensity, Mat4, Vec2, Vec3, warp};
 
 /// An exact disk, or the ellipse that a transform makes of it.
 ///
