@@ -104,7 +104,7 @@ impl EmitterModel for Area {
         self.radiance.colour(at.uv)
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
         let (point, density) = self.shape.sample_toward(from, u)?;
         let edge = point.position - from;

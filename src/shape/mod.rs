@@ -80,6 +80,7 @@ pub trait ShapeModel {
     ///
     /// The point can be occluded or face away. `None` where there is no density to give: at the
     /// shape's own surface, or for a point that is seen edge-on.
+    #[inline(always)]
     fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAngleDensity)> {
         let (point, density) = self.sample_area(u);
         Some((point, as_direction(density, from, &point)?))
@@ -93,6 +94,7 @@ pub trait ShapeModel {
 }
 
 /// A density of points as that of the directions in which `from` sees them.
+#[inline(always)]
 fn as_direction(
     density: AreaDensity,
     from: Vec3,

@@ -1,5 +1,7 @@
 //! Triangles that share vertices.
 
+use glam::Vec3A;
+
 use super::mesh::MeshData;
 use super::{ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
@@ -16,6 +18,8 @@ pub struct TriangleMesh {
     /// Chooses a triangle by area; only meshes that emit have one.
     by_area: Option<Discrete>,
     area: f64,
+    /// Density of a point that is uniform on the mesh.
+    density: AreaDensity,
     /// Whether shading frames follow the direction of growing `u`.
     tangents: bool,
 }
@@ -39,9 +43,11 @@ impl TriangleMesh {
             uvs,
             by_area: None,
             area: 0.0,
+            density: AreaDensity::default(),
             tangents: false,
         };
         mesh.area = mesh.triangle_areas().sum();
+        mesh.density = AreaDensity((1.0 / mesh.area) as f32);
         mesh
     }
 
@@ -77,13 +83,13 @@ impl TriangleMesh {
     #[inline(always)]
     fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
         let triangle = self.triangles.as_slice()[primitive as usize];
-        let corners = self.corners(triangle);
-        let [a, b, c] = corners;
+        let [a, b, c] = self.corners(triangle).map(Vec3A::from);
         let (b1, b2) = (barycentrics.x, barycentrics.y);
         let (to_b, to_c) = (b - a, c - a);
-        let position = a + to_b * b1 + to_c * b2;
+        let position = Vec3::from(a + to_b * b1 + to_c * b2);
         let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let mut geometric_normal = unit_or(to_b.cross(to_c), Vec3::Z);
+        let (to_b, to_c, across) = (Vec3::from(to_b), Vec3::from(to_c), to_b.cross(to_c));
+        let mut geometric_normal = unit_or(across.into(), Vec3::Z);
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
             let [na, nb, nc] = triangle.map(|i| normals[i as usize]);
@@ -166,6 +172,7 @@ impl ShapeModel for TriangleMesh {
         self.area
     }
 
+    #[inline(always)]
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
         let choice = self.by_area.as_ref().map(|by_area| by_area.sample(u.x));
         let (primitive, u) = match choice {
@@ -173,7 +180,7 @@ impl ShapeModel for TriangleMesh {
             None => (0, u),
         };
         let point = self.point(primitive, warp::uniform_triangle(u));
-        (point, AreaDensity((1.0 / self.area) as f32))
+        (point, self.density)
     }
 }
 
