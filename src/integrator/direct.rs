@@ -1,7 +1,7 @@
 //! Direct light.
 
 use super::path::is_lit;
-use super::pixel::{Estimate, PixelIntegrator};
+use super::pixel::{Estimate, PixelIntegrator, first_surface};
 use super::render::Counters;
 use crate::bsdf::{BsdfModel, Transport};
 use crate::emitter::EmitterModel;
@@ -146,8 +146,7 @@ impl PixelIntegrator for Direct {
         counters: &mut Counters,
     ) -> Estimate {
         let ray = camera_ray.to_ray();
-        counters.rays += 1;
-        let Some(hit) = scene.intersect(&ray) else {
+        let Some(hit) = first_surface(scene, ray, self.hide_emitters, counters) else {
             let seen = scene.lights().environment_radiance(ray.direction());
             let radiance = if self.hide_emitters { Rgb::BLACK } else { seen };
             return Estimate {
@@ -156,10 +155,8 @@ impl PixelIntegrator for Direct {
             };
         };
         let mut radiance = match hit.emitter {
-            Some(id) if !self.hide_emitters => {
-                scene.lights().get(id).radiance(&hit.point, hit.back)
-            }
-            _ => Rgb::BLACK,
+            Some(id) => scene.lights().get(id).radiance(&hit.point, hit.back),
+            None => Rgb::BLACK,
         };
         if hit.lobes.finite {
             for _ in 0..self.emitter_samples {

@@ -1,6 +1,6 @@
 //! Path tracing.
 
-use super::pixel::{Estimate, PixelIntegrator};
+use super::pixel::{Estimate, PixelIntegrator, first_surface};
 use super::render::Counters;
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, Transport};
@@ -22,7 +22,7 @@ pub struct PathTracer {
     max_depth: u32,
     /// Number of edges from which on Russian roulette may end a path.
     rr_depth: u32,
-    /// Whether emitters and the environment are invisible to the camera.
+    /// Whether the camera sees through emitting surfaces, and no environment.
     hide_emitters: bool,
     /// Whether directions that lie on different sides of the true and the shaded surface are black.
     strict_normals: bool,
@@ -183,18 +183,15 @@ impl PixelIntegrator for PathTracer {
         };
         // `depth` counts the edges of the path that ends at the ray's other end.
         for depth in 1..=self.max_depth {
-            counters.rays += 1;
-            let visible = depth > 1 || !self.hide_emitters;
-            let Some(hit) = scene.intersect(&ray) else {
-                if visible {
+            let is_hidden = depth == 1 && self.hide_emitters;
+            let Some(hit) = first_surface(scene, ray, is_hidden, counters) else {
+                if !is_hidden {
                     let met = self.met_environment(scene, &walk, ray.direction());
                     estimate.radiance += walk.throughput * met;
                 }
                 break;
             };
-            if visible {
-                estimate.radiance += walk.throughput * self.met_surface(scene, &walk, &hit);
-            }
+            estimate.radiance += walk.throughput * self.met_surface(scene, &walk, &hit);
             if depth == self.max_depth {
                 estimate.alpha = 1.0;
                 break;

@@ -2,10 +2,11 @@
 
 use super::aov::{Aov, AovValue};
 use super::render::{Counters, Integrator};
+use crate::accel::Ray;
 use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
 use crate::math::{Rgb, Vec2};
 use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
-use crate::scene::Scene;
+use crate::scene::{Interaction, Scene};
 use crate::sensor::{CameraRay, Sensor, SensorModel};
 
 /// Estimate of the radiance along a ray.
@@ -29,6 +30,28 @@ pub trait PixelIntegrator: Send + Sync {
         sampler: &mut Sampler,
         counters: &mut Counters,
     ) -> Estimate;
+}
+
+/// The first surface that a camera ray meets.
+///
+/// - `hide_emitters`: pass through surfaces that emit, as if they were not there.
+#[inline(always)]
+pub(super) fn first_surface<'s>(
+    scene: &'s Scene,
+    mut ray: Ray,
+    hide_emitters: bool,
+    counters: &mut Counters,
+) -> Option<Interaction<'s>> {
+    loop {
+        counters.rays += 1;
+        let hit = scene.intersect(&ray)?;
+        if !(hide_emitters && hit.emitter.is_some()) {
+            return Some(hit);
+        }
+        let direction = ray.direction();
+        let left = ray.far() - hit.distance;
+        ray = Ray::new(hit.point.ray_origin(direction), direction).between(0.0, left);
+    }
 }
 
 /// How camera samples are made, and which layers they fill.
