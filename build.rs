@@ -1,7 +1,8 @@
 //! Lets the loader find a private Embree, and records which revision of the sources is built.
 //!
-//! Sets the environment variable `LUMIFLOW_GIT_REVISION` for the crate: what `git describe` calls
-//! this checkout, `unknown` outside of one.
+//! Sets environment variables for the crate: `LUMIFLOW_GIT_REVISION`, what `git describe` calls this
+//! checkout (`unknown` outside of one), and `LUMIFLOW_OPENEXR_HEADERS`, the version of the `OpenEXR`
+//! headers that are built with.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -12,6 +13,9 @@ fn main() {
     if let Ok(libraries) = env::var("DEP_EMBREE_RPATH") {
         println!("cargo::rustc-link-arg=-Wl,-rpath,{libraries}");
     }
+    println!("cargo::rerun-if-env-changed=DEP_OPENEXRCORE_VERSION");
+    let headers = env::var("DEP_OPENEXRCORE_VERSION").unwrap_or_else(|_| "unknown".to_owned());
+    println!("cargo::rustc-env=LUMIFLOW_OPENEXR_HEADERS={headers}");
     let root = env::var_os("CARGO_MANIFEST_DIR")
         .map(PathBuf::from)
         .unwrap_or_default();

@@ -2,13 +2,16 @@
 
 pub mod accel;
 pub mod bsdf;
+pub mod cli;
 pub mod emitter;
 pub mod film;
 pub mod image;
 pub mod integrator;
 pub mod math;
+pub mod output;
 pub mod path;
 pub mod random;
+pub mod report;
 pub mod scene;
 pub mod sensor;
 pub mod shape;

@@ -1,3 +1,7 @@
 //! The `lumiflow` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    lumiflow::cli::run()
+}

@@ -62,6 +62,7 @@ impl BsdfModel for Conductor {
     fn lobes(&self) -> LobeSet {
         LobeSet {
             dirac: true,
+            single: true,
             ..LobeSet::default()
         }
     }

@@ -105,6 +105,7 @@ impl BsdfModel for Dielectric {
             finite: false,
             dirac: true,
             transmission: true,
+            single: false,
         }
     }
 

@@ -32,6 +32,7 @@ impl BsdfModel for Diffuse {
     fn lobes(&self) -> LobeSet {
         LobeSet {
             finite: true,
+            single: true,
             ..LobeSet::default()
         }
     }

@@ -82,6 +82,7 @@ impl BsdfModel for Mask {
             finite: false,
             dirac: true,
             transmission: true,
+            single: false,
         };
         self.nested.lobes().union(hole)
     }

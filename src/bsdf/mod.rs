@@ -92,6 +92,8 @@ pub struct LobeSet {
     pub dirac: bool,
     /// Some lobe goes to the other side.
     pub transmission: bool,
+    /// There is one lobe only, so that [`BsdfModel::sample`] makes no use of `u_lobe`.
+    pub single: bool,
 }
 
 impl LobeSet {
@@ -101,6 +103,7 @@ impl LobeSet {
             finite: self.finite || other.finite,
             dirac: self.dirac || other.dirac,
             transmission: self.transmission || other.transmission,
+            single: self.single && other.single,
         }
     }
 }

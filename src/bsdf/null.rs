@@ -32,6 +32,7 @@ impl BsdfModel for Null {
             finite: false,
             dirac: true,
             transmission: true,
+            single: true,
         }
     }
 

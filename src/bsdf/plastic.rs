@@ -92,6 +92,7 @@ impl BsdfModel for Plastic {
             finite: true,
             dirac: true,
             transmission: false,
+            single: false,
         }
     }
 

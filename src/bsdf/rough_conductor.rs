@@ -59,6 +59,7 @@ impl BsdfModel for RoughConductor {
     fn lobes(&self) -> LobeSet {
         LobeSet {
             finite: true,
+            single: true,
             ..LobeSet::default()
         }
     }

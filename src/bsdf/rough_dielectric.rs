@@ -102,6 +102,7 @@ impl BsdfModel for RoughDielectric {
             finite: true,
             dirac: false,
             transmission: true,
+            single: false,
         }
     }
 

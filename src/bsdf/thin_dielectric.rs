@@ -91,6 +91,7 @@ impl BsdfModel for ThinDielectric {
             finite: false,
             dirac: true,
             transmission: true,
+            single: false,
         }
     }
 

@@ -107,11 +107,13 @@ impl EmitterModel for Area {
     #[inline]
     fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
         let (point, density) = self.shape.sample_toward(from, u)?;
-        let direction = (point.position - from).try_normalize()?;
-        let radiance = self.radiance(&point, -direction);
-        if radiance.is_black() {
+        let edge = point.position - from;
+        // Before anything that costs more: half of all directions meet the back.
+        if point.geometric_normal.dot(edge) >= 0.0 {
             return None;
         }
+        let direction = edge * (1.0 / edge.length());
+        let radiance = self.radiance.colour(point.uv);
         let target = Some(point.ray_origin(-direction));
         Some(EmitterSample {
             direction,

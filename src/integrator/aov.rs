@@ -79,7 +79,7 @@ impl Aov {
             |of: fn(&Interaction<'_>) -> Vec3| AovValue::Three(first.map_or(Vec3::ZERO, of));
         match self {
             Self::Albedo => vector(|i| i.bsdf.albedo(&i.point).0),
-            Self::ShadingNormal => vector(|i| i.point.shading.normal),
+            Self::ShadingNormal => vector(|i| i.point.shading_normal),
             Self::GeometricNormal => vector(|i| i.point.geometric_normal),
             Self::Position => vector(|i| i.point.position),
             Self::Depth => AovValue::One(first.map_or(0.0, |i| i.distance)),

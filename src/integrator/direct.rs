@@ -55,7 +55,7 @@ impl Direct {
     ) -> Option<Rgb> {
         let u = sampler.next_2d();
         let sample = scene.lights().sample_toward(hit.point.position, u)?.sample;
-        let wo = hit.point.shading.to_local(sample.direction);
+        let wo = hit.frame.to_local(sample.direction);
         let (value, own) = hit
             .bsdf
             .eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
@@ -83,7 +83,12 @@ impl Direct {
         sampler: &mut Sampler,
         counters: &mut Counters,
     ) -> Option<Rgb> {
-        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let u_lobe = if hit.lobes.single {
+            0.0
+        } else {
+            sampler.next_1d()
+        };
+        let u = sampler.next_2d();
         let sample = hit
             .bsdf
             .sample(hit.wi, &hit.point, Transport::Radiance, u_lobe, u)?;
@@ -156,7 +161,7 @@ impl PixelIntegrator for Direct {
             }
             _ => Rgb::BLACK,
         };
-        if hit.bsdf.lobes().finite {
+        if hit.lobes.finite {
             for _ in 0..self.emitter_samples {
                 radiance += self
                     .emitter_sample(scene, &hit, sampler, counters)

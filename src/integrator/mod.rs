@@ -17,7 +17,7 @@ pub use direct::Direct;
 
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
-pub use render::{Counters, Integrator, Rendered, Step, render};
+pub use render::{Counters, Integrator, Progress, Rendered, Step, render};
 
 use crate::path::Heuristic;
 use crate::scene::options::{OptionError, OptionReader};

@@ -106,7 +106,7 @@ impl PathTracer {
             return Rgb::BLACK;
         };
         let sample = chosen.sample;
-        let wo = hit.point.shading.to_local(sample.direction);
+        let wo = hit.frame.to_local(sample.direction);
         if self.strict_normals && !sides_agree(hit, wo, sample.direction) {
             return Rgb::BLACK;
         }
@@ -130,7 +130,11 @@ impl PathTracer {
 
     /// Samples the next direction; `None` ends the path.
     fn scatter(&self, hit: &Interaction<'_>, sampler: &mut Sampler) -> Option<(BsdfSample, Ray)> {
-        let u_lobe = sampler.next_1d();
+        let u_lobe = if hit.lobes.single {
+            0.0
+        } else {
+            sampler.next_1d()
+        };
         let u = sampler.next_2d();
         let sample = hit
             .bsdf
@@ -195,7 +199,7 @@ impl PixelIntegrator for PathTracer {
                 estimate.alpha = 1.0;
                 break;
             }
-            if hit.bsdf.lobes().finite {
+            if hit.lobes.finite {
                 let connected = self.connected(scene, &hit, sampler, counters);
                 estimate.radiance += walk.throughput * connected;
             }

@@ -50,7 +50,38 @@ impl AddAssign for Counters {
     }
 }
 
-/// What the caller of [`render`] is told after each pass.
+/// Work done so far, the pass under way included: what another thread may look at meanwhile.
+#[derive(Debug, Default)]
+pub struct Progress {
+    units: AtomicU64,
+    paths: AtomicU64,
+    rays: AtomicU64,
+}
+
+impl Progress {
+    /// Units of work done, in all passes together; divided by [`Integrator::unit_count`], passes.
+    pub fn units(&self) -> u64 {
+        self.units.load(Relaxed)
+    }
+
+    /// Camera samples made.
+    pub fn paths(&self) -> u64 {
+        self.paths.load(Relaxed)
+    }
+
+    /// Rays traced.
+    pub fn rays(&self) -> u64 {
+        self.rays.load(Relaxed)
+    }
+
+    fn add_unit(&self, counters: Counters) {
+        self.units.fetch_add(1, Relaxed);
+        self.paths.fetch_add(counters.paths, Relaxed);
+        self.rays.fetch_add(counters.rays, Relaxed);
+    }
+}
+
+/// What the caller of [`render`] is told before each pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Passes done.
@@ -76,13 +107,13 @@ pub struct Rendered {
 ///
 /// - `keep_variance`: for each layer, whether to keep the spread of its replicas.
 /// - `cancelled`: once true, the pass under way is dropped and the render ends.
-/// - `done_units`: counts the units done in the pass under way, for progress.
+/// - `progress`: counts the work as it is done; what it shows decides nothing.
 /// - `next`: asked before each pass, with what was done so far.
 pub fn render(
     integrator: &dyn Integrator,
     keep_variance: impl Fn(&Layer) -> bool,
     cancelled: &AtomicBool,
-    done_units: &AtomicU64,
+    progress: &Progress,
     mut next: impl FnMut(Step) -> ControlFlow<()>,
 ) -> Rendered {
     let (window, layers, units) = (integrator.window(), integrator.layers(), integrator.units());
@@ -103,8 +134,7 @@ pub fn render(
         counters: Counters::default(),
     };
     while !cancelled.load(Relaxed) && next(done).is_continue() {
-        done_units.store(0, Relaxed);
-        let counters = run_pass(integrator, done.passes, &buffers, cancelled, done_units);
+        let counters = run_pass(integrator, done.passes, &buffers, cancelled, progress);
         let Some(mut counters) = counters else { break };
         for (sum, buffer) in sums.iter_mut().zip(&mut buffers) {
             counters.rejected += buffer.rejected();
@@ -128,7 +158,7 @@ fn run_pass(
     pass: u32,
     buffers: &[PassBuffer],
     cancelled: &AtomicBool,
-    done_units: &AtomicU64,
+    progress: &Progress,
 ) -> Option<Counters> {
     let total = Mutex::new(Counters::default());
     (0..integrator.unit_count())
@@ -143,7 +173,7 @@ fn run_pass(
                 Ok(mut total) => *total += counters,
                 Err(poisoned) => *poisoned.into_inner() += counters,
             }
-            done_units.fetch_add(1, Relaxed);
+            progress.add_unit(counters);
         });
     let counters = total
         .into_inner()

@@ -44,16 +44,22 @@ impl Stream {
     }
 
     /// The next number, uniform in `0..2³²`.
-    #[inline]
+    #[inline(always)]
     pub fn next_u32(&mut self) -> u32 {
         if self.used == 4 {
-            self.block = philox4x32_10(self.counter, self.key);
-            self.counter[0] = self.counter[0].wrapping_add(1);
-            self.used = 0;
+            self.refill();
         }
-        let number = self.block[self.used as usize];
+        let number = self.block[(self.used & 3) as usize];
         self.used += 1;
         number
+    }
+
+    /// Makes the next block of four numbers.
+    #[inline(never)]
+    fn refill(&mut self) {
+        self.block = philox4x32_10(self.counter, self.key);
+        self.counter[0] = self.counter[0].wrapping_add(1);
+        self.used = 0;
     }
 
     /// The next number, uniform in `[0, 1)` on a grid of 2⁻²⁴.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{BsdfId, EmitterId, Lights, Object, Scene};
 use crate::accel::{Accel, AccelError};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, BsdfModel};
 use crate::emitter::{Area, Emitter, EmitterModel, SceneBounds};
 use crate::math::Vec3;
 use crate::shape::{Shape, ShapeModel};
@@ -67,9 +67,11 @@ impl SceneBuilder {
         let shape = Arc::new(shape);
         let emitter =
             radiance.map(|radiance| self.add_emitter(Area::new(Arc::clone(&shape), radiance)));
+        let lobes = self.bsdfs[bsdf.0 as usize].lobes();
         self.objects.push(Object {
             shape,
             bsdf,
+            lobes,
             emitter,
         });
         Ok(())

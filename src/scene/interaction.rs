@@ -2,8 +2,8 @@
 
 use super::{EmitterId, Object};
 use crate::accel::{Hit, Ray};
-use crate::bsdf::Bsdf;
-use crate::math::{Local, Vec2, Vec3};
+use crate::bsdf::{Bsdf, LobeSet};
+use crate::math::{Frame, Local, Vec2, Vec3};
 use crate::shape::{ShapeHit, ShapeModel, SurfacePoint};
 
 /// A surface that a ray met, with the direction that it came from.
@@ -11,8 +11,12 @@ use crate::shape::{ShapeHit, ShapeModel, SurfacePoint};
 pub struct Interaction<'s> {
     /// The point on the surface.
     pub point: SurfacePoint,
+    /// The frame that the material writes its directions in.
+    pub frame: Frame,
     /// The material there.
     pub bsdf: &'s Bsdf,
+    /// Its lobes.
+    pub lobes: LobeSet,
     /// The light there.
     pub emitter: Option<EmitterId>,
     /// World-space unit direction back to where the ray came from.
@@ -27,7 +31,7 @@ impl<'s> Interaction<'s> {
     /// Looks up what stands at a hit.
     ///
     /// - `ray`: with a unit direction.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
         let point = object.shape.surface_at(&ShapeHit {
             primitive: hit.primitive,
@@ -35,10 +39,13 @@ impl<'s> Interaction<'s> {
             position: ray.at(hit.distance),
         });
         let back = -ray.direction();
-        let wi = point.shading.to_local(back);
+        let frame = point.shading_frame();
+        let wi = frame.to_local(back);
         Self {
             point,
+            frame,
             bsdf,
+            lobes: object.lobes,
             emitter: object.emitter,
             back,
             wi,
@@ -49,7 +56,7 @@ impl<'s> Interaction<'s> {
     /// The ray that leaves in a direction of the shading frame.
     #[inline]
     pub fn spawn(&self, direction: Local) -> Ray {
-        let world = self.point.shading.to_world(direction);
+        let world = self.frame.to_world(direction);
         Ray::new(self.point.ray_origin(world), world)
     }
 }

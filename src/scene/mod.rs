@@ -13,7 +13,7 @@ pub use lights::{ChosenSample, Lights};
 use std::sync::Arc;
 
 use crate::accel::{Accel, Ray};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, LobeSet};
 use crate::emitter::SceneBounds;
 use crate::math::Vec3;
 use crate::shape::{Shape, SurfacePoint};
@@ -33,6 +33,8 @@ pub struct Object {
     pub shape: Arc<Shape>,
     /// What it is made of.
     pub bsdf: BsdfId,
+    /// The lobes of that material.
+    pub lobes: LobeSet,
     /// What it emits.
     pub emitter: Option<EmitterId>,
 }
@@ -80,7 +82,7 @@ impl Scene {
     }
 
     /// The first surface that a ray meets.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction<'_>> {
         let hit = self.accel.intersect(ray)?;
         let object = &self.objects[hit.geometry as usize];

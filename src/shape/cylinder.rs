@@ -89,7 +89,8 @@ impl Cylinder {
         SurfacePoint {
             position: self.base + outwards + z * along,
             geometric_normal: normal,
-            shading: Frame::with_tangent(normal, y * around.x - x * around.y),
+            shading_normal: normal,
+            tangent: y * around.x - x * around.y,
             uv: Vec2::new(warp::turn(around), along),
             error: self.error,
         }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::affine::{axes_and_origin, rows};
 use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::Geometry;
-use crate::math::{AreaDensity, Frame, Mat4, Vec2, Vec3, warp};
+use crate::math::{AreaDensity, Mat4, Vec2, Vec3, warp};
 
 /// An exact disk, or the ellipse that a transform makes of it.
 ///
@@ -84,7 +84,8 @@ impl Disk {
         SurfacePoint {
             position: self.centre + x * p.x + y * p.y,
             geometric_normal: normal,
-            shading: Frame::with_tangent(normal, outwards),
+            shading_normal: normal,
+            tangent: outwards,
             uv: Vec2::new(from_centre, warp::turn(p)),
             error: self.error,
         }

@@ -85,7 +85,8 @@ impl Sphere {
         SurfacePoint {
             position: self.centre + outward * self.radius,
             geometric_normal: normal,
-            shading: Frame::with_tangent(normal, along_u),
+            shading_normal: normal,
+            tangent: along_u,
             uv: Vec2::new(
                 warp::turn(local.truncate()),
                 from_axis.atan2(local.z) * FRAC_1_PI,

@@ -9,8 +9,10 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the true geometry.
     pub geometric_normal: Vec3,
-    /// Shading frame: its normal is the interpolated one where the shape has such.
-    pub shading: Frame,
+    /// Unit normal of the shaded surface: the interpolated one where the shape has such.
+    pub shading_normal: Vec3,
+    /// Direction in which `u` grows, of any length; zero where nobody asks for it.
+    pub tangent: Vec3,
     /// Surface coordinates of textures.
     pub uv: Vec2,
     /// Bound on the error of `position`, in metres: how far a ray's origin must leave the surface.
@@ -18,6 +20,16 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// The frame that materials write their directions in.
+    #[inline]
+    pub fn shading_frame(&self) -> Frame {
+        if self.tangent == Vec3::ZERO {
+            Frame::around(self.shading_normal)
+        } else {
+            Frame::with_tangent(self.shading_normal, self.tangent)
+        }
+    }
+
     /// The origin of a ray that leaves in `direction`: off the surface by [`SurfacePoint::error`],
     /// to the side that the ray leaves to, so that the ray neither meets its own surface nor skips
     /// a neighbouring one.

@@ -118,7 +118,7 @@ fn a_hit_near_the_surface_finds_the_sampled_point_again() {
                 "{shape:?}"
             );
             assert!((found.geometric_normal - point.geometric_normal).length() < 1e-5);
-            assert!(found.shading.normal == found.geometric_normal);
+            assert!(found.shading_normal == found.geometric_normal);
             assert!((found.geometric_normal.length() - 1.0).abs() < 1e-6);
             let turn = (found.uv - point.uv).abs();
             assert!(turn.min(1.0 - turn).max_element() < 1e-4, "{shape:?}");
@@ -157,7 +157,7 @@ fn check(at: SurfacePoint, normal: [f32; 3], uv: [f32; 2], tangent: [f32; 3]) {
     let near = |a: Vec3, b: [f32; 3]| (a - Vec3::from_array(b)).length() < 2e-4;
     assert!(near(at.geometric_normal, normal), "{at:?}");
     assert!((at.uv - Vec2::from_array(uv)).length() < 1e-4, "{at:?}");
-    assert!(near(at.shading.tangent, tangent), "{at:?}");
+    assert!(near(at.shading_frame().tangent, tangent), "{at:?}");
 }
 
 /// Normal, uv and tangent as Mitsuba 3.9.1 prints them for the same rays.
@@ -263,7 +263,7 @@ fn mirrors_keep_round_shapes_outside_out_and_flips_turn_them() {
         let flipped = first(shape, from, [-1., 0., 0.]);
         assert_eq!(flipped.geometric_normal, -at.geometric_normal);
         assert_eq!(flipped.uv, at.uv);
-        assert_eq!(flipped.shading.tangent, at.shading.tangent);
+        assert_eq!(flipped.shading_frame().tangent, at.shading_frame().tangent);
     }
     let below = Disk::new(Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).unwrap();
     assert_eq!(below.sample_area(Vec2::ZERO).0.geometric_normal, -Vec3::Z);

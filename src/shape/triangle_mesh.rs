@@ -4,7 +4,7 @@ use super::mesh::MeshData;
 use super::{ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
-use crate::math::{AreaDensity, Frame, Vec2, Vec3, warp};
+use crate::math::{AreaDensity, Vec2, Vec3, warp};
 
 /// A triangle mesh whose vertex and index buffers the tracer shares.
 #[derive(Clone, Debug)]
@@ -74,7 +74,7 @@ impl TriangleMesh {
     }
 
     /// The point of a triangle at the barycentrics of its second and third vertex.
-    #[inline]
+    #[inline(always)]
     fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
         let triangle = self.triangles.as_slice()[primitive as usize];
         let corners = self.corners(triangle);
@@ -101,16 +101,17 @@ impl TriangleMesh {
             }
             None => barycentrics,
         };
-        let shading = if self.tangents {
-            Frame::with_tangent(shading_normal, self.tangent(triangle, to_b, to_c))
+        let tangent = if self.tangents {
+            self.tangent(triangle, to_b, to_c)
         } else {
-            Frame::around(shading_normal)
+            Vec3::ZERO
         };
         let error = SurfacePoint::error_bound(extent);
         SurfacePoint {
             position,
             geometric_normal,
-            shading,
+            shading_normal,
+            tangent,
             uv,
             error,
         }
@@ -181,7 +182,7 @@ impl ShapeModel for TriangleMesh {
 fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
     let length_squared = vector.length_squared();
     if length_squared > 0.0 {
-        vector / length_squared.sqrt()
+        vector * (1.0 / length_squared.sqrt())
     } else {
         fallback
     }

@@ -13,7 +13,8 @@ pub(crate) fn surface_point() -> SurfacePoint {
     SurfacePoint {
         position: Vec3::ZERO,
         geometric_normal: Vec3::Z,
-        shading: Frame::around(Vec3::Z),
+        shading_normal: Vec3::Z,
+        tangent: Vec3::ZERO,
         uv: Vec2::new(0.3, 0.7),
         error: 1e-6,
     }

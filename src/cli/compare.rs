@@ -1,0 +1,249 @@
+//! `lumiflow compare`.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::args::{CompareArgs, Crop};
+use super::console::print_line;
+use super::failure::{Failure, sizes_differ};
+use super::outputs::check_file;
+use crate::image::{ImageError, read_bitmap, read_exr, write_png};
+use crate::math::Rgb;
+use crate::output::FileKind;
+use crate::report::{
+    Comparison, Pixels, Subject, TileScores, compare, heat_map, mean_flip, tile_scores,
+};
+
+/// Relative error at which the picture of the error has its full colour.
+const HEAT_SCALE: f32 = 0.5;
+
+/// Names of the quantities in the order of the reports.
+const QUANTITIES: [&str; 4] = ["luminance", "red", "green", "blue"];
+
+/// All that was measured.
+struct Findings {
+    comparison: Comparison,
+    flip: f64,
+    tiles: Option<[TileScores; 4]>,
+    tile: u32,
+    /// Pixels that count and are not finite, of the image and of the reference.
+    not_finite: [usize; 2],
+}
+
+/// Measures how far an image is from a reference.
+///
+/// # Errors
+/// Files that cannot be read or written, and images of different sizes.
+pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
+    if let Some(output) = &args.output {
+        if FileKind::of(output) != Some(FileKind::Png) {
+            let output = output.display();
+            return Err(Failure::Usage(format!(
+                "{output}: expected a name that ends in .png"
+            )));
+        }
+        check_file(output)?;
+    }
+    let image = pixels(&args.image)?;
+    let size = (image.width, image.height);
+    let reader = Reader { args, size };
+    let image = reader.fit(image, &args.image)?;
+    let reference = reader.fit(pixels(&args.reference)?, &args.reference)?;
+    let own_variance = reader.optional(args.variance.as_deref(), variance)?;
+    let reference_variance = reader.optional(args.reference_variance.as_deref(), variance)?;
+    let mask = reader.optional(args.mask.as_deref(), pixels)?;
+    let counted: Vec<bool> = mask.map_or_else(Vec::new, |mask| {
+        mask.colours
+            .iter()
+            .map(|colour| colour.is_black())
+            .collect()
+    });
+    let subject = Subject {
+        image: &image,
+        reference: &reference,
+        variance: own_variance.as_ref(),
+        reference_variance: reference_variance.as_ref(),
+        counted: &counted,
+    };
+    let comparison = compare(&subject);
+    if comparison.pixels == 0 {
+        return Err(Failure::Usage(
+            "the mask leaves no pixel to compare".to_owned(),
+        ));
+    }
+    let findings = Findings {
+        comparison,
+        flip: mean_flip(&subject, args.exposure),
+        tiles: tile_scores(&subject, args.tile),
+        tile: args.tile,
+        not_finite: [subject.not_finite(&image), subject.not_finite(&reference)],
+    };
+    if let Some(output) = &args.output {
+        let colours = heat_map(&subject, HEAT_SCALE);
+        write_png(output, image.width, image.height, &colours, 0.0)?;
+    }
+    print_line(&if args.json {
+        findings.json().to_string()
+    } else {
+        findings.table()
+    })
+}
+
+/// Reads what belongs to images of one size.
+struct Reader<'a> {
+    args: &'a CompareArgs,
+    size: (u32, u32),
+}
+
+impl Reader<'_> {
+    /// Checks the size of an image and cuts the wanted part out.
+    fn fit(&self, image: Pixels, path: &Path) -> Result<Pixels, Failure> {
+        let size = (image.width, image.height);
+        if size != self.size {
+            return Err(sizes_differ(&self.args.image, self.size, path, size));
+        }
+        let Some(Crop {
+            x,
+            y,
+            width,
+            height,
+        }) = self.args.crop
+        else {
+            return Ok(image);
+        };
+        image.crop(x, y, width, height).ok_or_else(|| {
+            Failure::Usage(format!(
+                "--crop {x},{y},{width},{height} reaches beyond the {}x{} pixels of the images",
+                size.0, size.1
+            ))
+        })
+    }
+
+    fn optional(
+        &self,
+        path: Option<&Path>,
+        read: fn(&Path) -> Result<Pixels, ImageError>,
+    ) -> Result<Option<Pixels>, Failure> {
+        path.map(|path| self.fit(read(path)?, path)).transpose()
+    }
+}
+
+/// The colours of an image of any kind.
+fn pixels(path: &Path) -> Result<Pixels, ImageError> {
+    let bitmap = read_bitmap(path)?;
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Ok(Pixels {
+        width,
+        height,
+        colours: places.map(|(x, y)| bitmap.rgb(x, y)).collect(),
+    })
+}
+
+/// Variances: the layer of that name, or else the colours.
+fn variance(path: &Path) -> Result<Pixels, ImageError> {
+    let is_exr = FileKind::of(path) == Some(FileKind::Exr);
+    if is_exr {
+        let image = read_exr(path)?;
+        if let Some(colours) = image.rgb("variance") {
+            return Ok(Pixels {
+                width: image.width(),
+                height: image.height(),
+                colours: colours.into_iter().map(Rgb::from).collect(),
+            });
+        }
+    }
+    pixels(path)
+}
+
+impl Findings {
+    fn json(&self) -> Value {
+        let found = &self.comparison;
+        let by_quantity = |of: &dyn Fn(usize) -> Value| -> Value {
+            let pairs = QUANTITIES.iter().enumerate();
+            pairs.map(|(i, name)| ((*name).to_owned(), of(i))).collect()
+        };
+        let ratio = |i: usize| {
+            let ratio = found.ratios[i];
+            json!({ "ratio": ratio.value, "standard_error": ratio.standard_error })
+        };
+        let tiles = self.tiles.map(|tiles| {
+            by_quantity(&|i| {
+                let scores = tiles[i];
+                json!({
+                    "tiles": scores.tiles,
+                    "mean_z2": scores.mean_square,
+                    // JSON has no infinity.
+                    "max_z": scores.largest.min(f64::MAX),
+                    "share_beyond_3": scores.beyond_three,
+                    "p_of_max": scores.p_of_largest,
+                })
+            })
+        });
+        json!({
+            "pixels": found.pixels,
+            "mse": found.mse,
+            "relmse": found.relative_mse,
+            "reference_noise": found.reference_noise,
+            "relmse_corrected": found.corrected_relative_mse(),
+            "means": by_quantity(&ratio),
+            "flip": self.flip,
+            "tile_size": self.tile,
+            "tiles": tiles,
+            "not_finite": { "image": self.not_finite[0], "reference": self.not_finite[1] },
+        })
+    }
+
+    fn table(&self) -> String {
+        let found = &self.comparison;
+        let mut lines = vec![
+            row("pixels", &found.pixels.to_string()),
+            row("MSE", &format!("{:.4e}", found.mse)),
+            row("relMSE", &format!("{:.4e}", found.relative_mse)),
+        ];
+        if let (Some(noise), Some(rest)) = (found.reference_noise, found.corrected_relative_mse()) {
+            let text = format!("{rest:.4e} (the reference's noise is {noise:.4e})");
+            lines.push(row("  corrected", &text));
+        }
+        for (name, ratio) in QUANTITIES.iter().zip(&found.ratios) {
+            let error = ratio.standard_error;
+            let error = error.map_or_else(String::new, |error| format!(" ± {error:.5}"));
+            lines.push(row(
+                &format!("mean {name}"),
+                &format!("{:.5}{error}", ratio.value),
+            ));
+        }
+        lines.push(row("FLIP", &format!("{:.5}", self.flip)));
+        if let Some(tiles) = &self.tiles {
+            let side = self.tile;
+            lines.push(format!(
+                "z-scores of tiles of {side}x{side} pixels; noise alone gives a mean z² of 1"
+            ));
+            for (name, scores) in QUANTITIES.iter().zip(tiles) {
+                lines.push(row(&format!("  {name}"), &tile_text(scores)));
+            }
+        }
+        let [image, reference] = self.not_finite;
+        if image + reference > 0 {
+            let text = format!("{image} pixels of the image, {reference} of the reference");
+            lines.push(row("not finite", &text));
+        }
+        lines.join("\n")
+    }
+}
+
+fn row(name: &str, value: &str) -> String {
+    format!("{name:<16}{value}")
+}
+
+fn tile_text(scores: &TileScores) -> String {
+    format!(
+        "mean z² {:.3}, max |z| {:.2} (p = {:.2e}), |z| > 3 in {:.2} % of {} tiles",
+        scores.mean_square,
+        scores.largest,
+        scores.p_of_largest,
+        100.0 * scores.beyond_three,
+        scores.tiles
+    )
+}

@@ -1,0 +1,131 @@
+//! Longer parts of the help.
+
+use std::fmt::Write;
+
+use crate::integrator;
+use crate::scene::options::{OptionReader, Options};
+
+/// Below the list of commands.
+pub(super) const EXIT_CODES: &str = "\
+Exit codes: 0 done, 2 wrong use, 3 broken scene, 4 a file cannot be read or written,
+70 a bug of ours, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.";
+
+/// Below the short help of `render`.
+pub(super) const RENDER_EXAMPLES: &str = "\
+Examples:
+  lumiflow render cornell.xml --spp 256 -o cornell.exr -o cornell.png
+  lumiflow render cornell.xml --time 60 --aov albedo,sh_normal,variance --json
+  lumiflow render */scene.xml -o 'out/{name}.exr' -i path --set max_depth=8
+
+Ctrl-C writes what is rendered so far, in whole passes; a second one ends at once.
+`lumiflow help render` lists the integrators with their options.";
+
+/// Below the help of `convert`.
+pub(super) const CONVERT_EXAMPLES: &str = "\
+Examples:
+  lumiflow convert cornell.exr cornell.png --exposure 1.5
+  lumiflow convert cornell.exr albedo.png --layer albedo";
+
+/// Below the help of `compare`.
+pub(super) const COMPARE_EXAMPLES: &str = "\
+Prints MSE, relMSE = mean((I-R)^2 / (R^2 + 0.01)), the ratio of the means and FLIP. With the
+variance of both images it adds what the noise of the reference puts into relMSE, the standard
+error of the ratio, and z-scores of tiles: noise alone gives a mean z^2 of 1.
+
+Examples:
+  lumiflow compare cornell.exr reference.exr
+  lumiflow compare cornell.exr reference.exr --variance cornell.exr \\
+      --reference-variance reference_var.exr --mask lights.png -o error.png";
+
+/// What the options of the integrators mean.
+const OPTIONS: [(&str, &str); 8] = [
+    (
+        "max_depth",
+        "longest path in edges; 1 shows lights only, -1 is no limit",
+    ),
+    (
+        "rr_depth",
+        "edges from which on Russian roulette may end a path",
+    ),
+    ("hide_emitters", "lights and sky do not show themselves"),
+    (
+        "strict_normals",
+        "no light where true and shading normal disagree",
+    ),
+    (
+        "mis",
+        "weights of sampling techniques: balance, power or maximum",
+    ),
+    (
+        "shading_samples",
+        "sets emitter_samples and bsdf_samples at once",
+    ),
+    (
+        "emitter_samples",
+        "directions to lights for each camera sample",
+    ),
+    (
+        "bsdf_samples",
+        "directions of the material for each camera sample",
+    ),
+];
+
+/// The integrators with their options and defaults, and the examples.
+pub(super) fn integrators() -> String {
+    let mut text = "Integrators (-i), and their options (--set) with defaults:\n".to_owned();
+    for (name, about) in integrator::NAMES {
+        let _ = writeln!(text, "\n  {name}: {about}");
+        for (option, default) in defaults(name) {
+            let meaning = OPTIONS.iter().find(|(known, _)| *known == option);
+            let meaning = meaning.map_or("", |(_, meaning)| meaning);
+            let _ = writeln!(text, "    {:<24} {meaning}", format!("{option}={default}"));
+        }
+    }
+    let _ = write!(text, "\n{RENDER_EXAMPLES}");
+    text
+}
+
+/// Options of an integrator with their defaults, as it asks for them itself.
+fn defaults(name: &str) -> Vec<(String, String)> {
+    let none = Options::new();
+    let mut reader = OptionReader::new(&none);
+    // Defaults are in range, so that this cannot fail; what was asked for shows either way.
+    let _ = integrator::from_options(name, &mut reader);
+    let pairs = reader.used().iter();
+    pairs
+        .map(|(option, default)| (option.clone(), default.to_string()))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_option_is_explained_and_none_is_invented() {
+        let asked: Vec<String> = integrator::NAMES
+            .iter()
+            .flat_map(|(name, _)| defaults(name))
+            .map(|(option, _)| option)
+            .collect();
+        for option in &asked {
+            assert!(OPTIONS.iter().any(|(known, _)| known == option), "{option}");
+        }
+        for (option, _) in OPTIONS {
+            assert!(asked.iter().any(|known| known == option), "{option}");
+        }
+    }
+
+    #[test]
+    fn defaults_are_listed() {
+        let text = integrators();
+        for part in [
+            "max_depth=-1",
+            "rr_depth=5",
+            "hide_emitters=false",
+            "mis=power",
+        ] {
+            assert!(text.contains(part), "{part} in {text}");
+        }
+    }
+}

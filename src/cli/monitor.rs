@@ -1,0 +1,194 @@
+//! Shows how far a render has come.
+
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::thread::{self, Thread};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::budget::Goal;
+use super::console::{duration, say};
+use crate::integrator::Progress;
+
+/// Between two pictures of the bar, and between two lines where there is no terminal.
+const BAR_INTERVAL: Duration = Duration::from_millis(100);
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
+
+/// Shows how far a render has come: a bar on a terminal, a line every ten seconds elsewhere.
+pub(super) struct Monitor<'a> {
+    /// Name of the scene.
+    pub(super) name: &'a str,
+    /// When the render ends.
+    pub(super) goal: Goal,
+    /// When it began.
+    pub(super) start: Instant,
+    /// Units of work in a pass.
+    pub(super) units_per_pass: u32,
+    /// What it has done.
+    pub(super) progress: &'a Progress,
+}
+
+/// Ends the watching thread, also when the work panics.
+struct Stop<'a> {
+    flag: &'a AtomicBool,
+    watcher: Thread,
+}
+
+impl Drop for Stop<'_> {
+    fn drop(&mut self) {
+        self.flag.store(true, SeqCst);
+        self.watcher.unpark();
+    }
+}
+
+/// How far a render has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Status {
+    /// Share of the work, or of the time, 0 to 1.
+    share: f64,
+    /// Millions a second.
+    samples: f64,
+    rays: f64,
+    /// Seconds left, once there is something to tell them from.
+    left: Option<f64>,
+}
+
+impl Monitor<'_> {
+    /// Shows the progress while `work` runs.
+    pub(super) fn during<R>(&self, work: impl FnOnce() -> R) -> R {
+        let flag = AtomicBool::new(false);
+        thread::scope(|scope| {
+            let watcher = scope.spawn(|| {
+                if std::io::stderr().is_terminal() {
+                    self.draw_bar(&flag);
+                } else {
+                    self.print_lines(&flag);
+                }
+            });
+            let _stop = Stop {
+                flag: &flag,
+                watcher: watcher.thread().clone(),
+            };
+            work()
+        })
+    }
+
+    fn draw_bar(&self, stopped: &AtomicBool) {
+        const STEPS: f64 = 1000.0;
+        let bar = ProgressBar::new(STEPS as u64).with_prefix(self.name.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %  {msg}")
+        {
+            bar.set_style(style);
+        }
+        while !stopped.load(SeqCst) {
+            let status = self.status(self.start.elapsed());
+            bar.set_position((status.share * STEPS) as u64);
+            bar.set_message(status.to_string());
+            thread::park_timeout(BAR_INTERVAL);
+        }
+        bar.finish_and_clear();
+    }
+
+    fn print_lines(&self, stopped: &AtomicBool) {
+        let mut next = Instant::now() + LINE_INTERVAL;
+        loop {
+            thread::park_timeout(next.saturating_duration_since(Instant::now()));
+            if stopped.load(SeqCst) {
+                return;
+            }
+            if Instant::now() >= next {
+                let status = self.status(self.start.elapsed());
+                say(&format!(
+                    "{}: {:.0} %, {status}",
+                    self.name,
+                    100.0 * status.share
+                ));
+                next += LINE_INTERVAL;
+            }
+        }
+    }
+
+    fn status(&self, elapsed: Duration) -> Status {
+        let elapsed = elapsed.as_secs_f64();
+        let per_second = |count: u64| count as f64 / elapsed.max(1e-9) / 1e6;
+        let (share, left) = match self.goal {
+            Goal::Passes(passes) => {
+                let all = f64::from(passes) * f64::from(self.units_per_pass);
+                let share = (self.progress.units() as f64 / all).min(1.0);
+                (
+                    share,
+                    (share > 0.0).then(|| elapsed * (1.0 - share) / share),
+                )
+            }
+            Goal::Time(limit) => {
+                let limit = limit.as_secs_f64();
+                ((elapsed / limit).min(1.0), Some((limit - elapsed).max(0.0)))
+            }
+        };
+        Status {
+            share,
+            samples: per_second(self.progress.paths()),
+            rays: per_second(self.progress.rays()),
+            left,
+        }
+    }
+}
+
+impl std::fmt::Display for Status {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{:.2} Msamples/s, {:.2} Mrays/s",
+            self.samples, self.rays
+        )?;
+        match self.left {
+            Some(left) => write!(f, ", {} left", duration(left)),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn monitor(goal: Goal, progress: &Progress) -> Monitor<'_> {
+        Monitor {
+            name: "box",
+            goal,
+            start: Instant::now(),
+            units_per_pass: 10,
+            progress,
+        }
+    }
+
+    #[test]
+    fn time_goes_by_the_clock() {
+        let progress = Progress::default();
+        let goal = Goal::Time(Duration::from_secs(40));
+        let status = monitor(goal, &progress).status(Duration::from_secs(10));
+        assert_eq!((status.share, status.left), (0.25, Some(30.0)));
+        let late = monitor(goal, &progress).status(Duration::from_secs(50));
+        assert_eq!((late.share, late.left), (1.0, Some(0.0)));
+    }
+
+    #[test]
+    fn nothing_done_tells_nothing_about_the_time_left() {
+        let progress = Progress::default();
+        let status = monitor(Goal::Passes(2), &progress).status(Duration::from_secs(1));
+        assert_eq!((status.share, status.left), (0.0, None));
+        assert_eq!(status.to_string(), "0.00 Msamples/s, 0.00 Mrays/s");
+    }
+
+    #[test]
+    fn the_work_gives_its_result_and_a_panic_ends_the_watch() {
+        let progress = Progress::default();
+        let monitor = monitor(Goal::Passes(2), &progress);
+        assert_eq!(monitor.during(|| 7), 7);
+        let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            monitor.during(|| panic!("planted"));
+        }));
+        assert!(panicked.is_err());
+    }
+}

@@ -1,0 +1,234 @@
+//! What a scene's render will do: the scene's wishes and the arguments, brought together.
+
+use std::time::Duration;
+
+use super::args::{FilterName, RenderArgs};
+use super::budget::Goal;
+use super::failure::Failure;
+use super::notes::Notes;
+use crate::film::{Filter, FilterKind};
+use crate::integrator::{self, Aov, PixelIntegrator};
+use crate::scene::import::xml::{Diagnostic, Name, Severity, did_you_mean};
+use crate::scene::import::{IntegratorRequest, View};
+use crate::scene::options::{OptionError, OptionReader, OptionValue, Options};
+
+/// Used where a scene names no integrator, or one that we do not have.
+const DEFAULT_INTEGRATOR: &str = "path";
+
+/// Options that mean the same to any integrator: what is kept when another one takes over.
+const SHARED_OPTIONS: [&str; 3] = ["max_depth", "rr_depth", "hide_emitters"];
+
+/// Name under which the variance of the image's mean is asked for.
+const VARIANCE: &str = "variance";
+
+/// What a scene's render will do.
+pub(super) struct Plan {
+    /// Name of the integrator.
+    pub(super) name: String,
+    /// The integrator.
+    pub(super) integrator: Box<dyn PixelIntegrator>,
+    /// Its options, defaults included.
+    pub(super) options: Vec<(String, String)>,
+    /// Layers about the first surface.
+    pub(super) aovs: Vec<Aov>,
+    /// Whether the variance of the mean is wanted.
+    pub(super) variance: bool,
+}
+
+/// An integrator's name, and where its options come from.
+struct Choice<'r> {
+    name: &'r str,
+    /// Whether it stands in for the one that the scene names.
+    stands_in: bool,
+}
+
+impl Plan {
+    /// Brings the scene's wishes and the arguments together.
+    ///
+    /// # Errors
+    /// Names and values that the command line has wrong, and values that the scene has wrong.
+    pub(super) fn new(
+        args: &RenderArgs,
+        request: &IntegratorRequest,
+        notes: &mut Notes,
+    ) -> Result<Self, Failure> {
+        let choice = choose(args, request);
+        let given: Options = args
+            .settings
+            .iter()
+            .map(|(key, value)| (Name::new(key).normalised, OptionValue::parse(value)))
+            .collect();
+        let mut options = request.options.clone();
+        if choice.stands_in {
+            options.retain(|name, _| SHARED_OPTIONS.contains(&name.as_str()));
+        }
+        options.extend(given.clone());
+        let mut reader = OptionReader::new(&options);
+        let integrator = integrator::from_options(choice.name, &mut reader)
+            .map_err(|error| wrong_value(&error, &given, request))?;
+        for name in reader.unused() {
+            let hint = did_you_mean(&name, reader.used().keys().map(String::as_str));
+            let integrator = choice.name;
+            let message = format!("integrator \"{integrator}\" has no option \"{name}\"{hint}");
+            if given.contains_key(&name) {
+                return Err(Failure::Usage(message));
+            }
+            if !choice.stands_in {
+                let location = request.option_locations.get(&name);
+                notes.warn(location, format!("{message}; ignored"));
+            }
+        }
+        let used = reader.used().iter();
+        let options: Vec<_> = used
+            .map(|(name, value)| (name.clone(), value.to_string()))
+            .collect();
+        if choice.stands_in && args.integrator.is_none() {
+            note_replacement(request, choice.name, &options, notes);
+        }
+        let (mut aovs, variance) = named_layers(&args.aov)?;
+        add_scene_layers(&mut aovs, request, notes);
+        Ok(Self {
+            name: choice.name.to_owned(),
+            integrator,
+            options,
+            aovs,
+            variance,
+        })
+    }
+}
+
+/// Finds out what is wrong with the names in the arguments before any scene is read.
+///
+/// # Errors
+/// [`Failure::Usage`] for an integrator or a layer that does not exist.
+pub(super) fn check_names(args: &RenderArgs) -> Result<(), Failure> {
+    if let Some(name) = args.integrator.as_deref().filter(|name| !is_known(name)) {
+        let known = integrator::NAMES.map(|(known, _)| known);
+        let hint = did_you_mean(name, known);
+        let known = known.join(", ");
+        return Err(Failure::Usage(format!(
+            "unknown integrator \"{name}\"{hint}; there are {known}"
+        )));
+    }
+    named_layers(&args.aov).map(|_| ())
+}
+
+/// How long to render.
+pub(super) fn goal(args: &RenderArgs, view: &View) -> Goal {
+    match args.effort.time {
+        Some(seconds) => Goal::Time(Duration::from_secs_f64(seconds)),
+        None => {
+            let count = args.effort.spp.or(args.effort.passes);
+            Goal::Passes(count.unwrap_or(view.sample_count).max(1))
+        }
+    }
+}
+
+/// The filter that the arguments ask for.
+pub(super) fn filter(name: FilterName) -> Option<Filter> {
+    Filter::new(match name {
+        FilterName::Box => FilterKind::Box { radius: 0.5 },
+        FilterName::Tent => FilterKind::Tent { radius: 1.0 },
+        FilterName::Gaussian => FilterKind::Gaussian { stddev: 0.5 },
+        FilterName::Mitchell => FilterKind::Mitchell {
+            b: 1.0 / 3.0,
+            c: 1.0 / 3.0,
+        },
+        FilterName::Catmullrom => FilterKind::CatmullRom,
+        FilterName::Lanczos => FilterKind::Lanczos { lobes: 3.0 },
+    })
+}
+
+fn is_known(name: &str) -> bool {
+    integrator::NAMES.iter().any(|(known, _)| *known == name)
+}
+
+fn choose<'r>(args: &'r RenderArgs, request: &'r IntegratorRequest) -> Choice<'r> {
+    let wanted = request.name.as_str();
+    let (name, stands_in) = match &args.integrator {
+        Some(name) => (name.as_str(), !wanted.is_empty() && name != wanted),
+        None if is_known(wanted) => (wanted, false),
+        None => (DEFAULT_INTEGRATOR, !wanted.is_empty()),
+    };
+    Choice { name, stands_in }
+}
+
+fn note_replacement(
+    request: &IntegratorRequest,
+    name: &str,
+    options: &[(String, String)],
+    notes: &mut Notes,
+) {
+    let kept: Vec<String> = options
+        .iter()
+        .filter(|(option, _)| request.options.contains_key(option))
+        .map(|(option, value)| format!("{option}={value}"))
+        .collect();
+    let kept = if kept.is_empty() {
+        String::new()
+    } else {
+        format!(", with its {}", kept.join(" "))
+    };
+    let message = format!(
+        "unknown integrator \"{}\"; \"{name}\" is used instead{kept}",
+        request.name
+    );
+    notes.replace(request.location.as_ref(), message);
+}
+
+/// The failure for a value that is wrong: whose fault it is depends on where it comes from.
+fn wrong_value(error: &OptionError, given: &Options, request: &IntegratorRequest) -> Failure {
+    let message = error.to_string();
+    match error {
+        OptionError::Value { name, .. } if !given.contains_key(name) => {
+            Failure::Scene(vec![Diagnostic {
+                severity: Severity::Error,
+                location: request.option_locations.get(name).cloned(),
+                message,
+                is_replacement: false,
+            }])
+        }
+        _ => Failure::Usage(message),
+    }
+}
+
+/// The layers of a list of names, each once, and whether the variance is among them.
+fn named_layers(names: &[String]) -> Result<(Vec<Aov>, bool), Failure> {
+    let mut aovs = Vec::new();
+    let mut variance = false;
+    for name in names.iter().map(|name| name.trim()) {
+        match Aov::from_name(name) {
+            Some(aov) if !aovs.contains(&aov) => aovs.push(aov),
+            Some(_) => {}
+            None if name == VARIANCE => variance = true,
+            None => {
+                let known = Aov::NAMES.map(|(known, _)| known);
+                let hint = did_you_mean(name, known.into_iter().chain([VARIANCE]));
+                let known = known.join(", ");
+                return Err(Failure::Usage(format!(
+                    "unknown layer \"{name}\"{hint}; there are {known}, {VARIANCE}"
+                )));
+            }
+        }
+    }
+    Ok((aovs, variance))
+}
+
+/// Adds the layers that the scene asks for as `name:kind`; their names are ours, not the scene's.
+fn add_scene_layers(aovs: &mut Vec<Aov>, request: &IntegratorRequest, notes: &mut Notes) {
+    for entry in &request.aovs {
+        let kind = entry.rsplit(':').next().unwrap_or(entry).trim();
+        match Aov::from_name(kind) {
+            Some(aov) if !aovs.contains(&aov) => aovs.push(aov),
+            Some(_) => {}
+            None => {
+                let hint = did_you_mean(kind, Aov::NAMES.map(|(known, _)| known));
+                let message = format!("unknown layer \"{kind}\"{hint}; left out");
+                notes.warn(request.location.as_ref(), message);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,139 @@
+//! What is told about a finished render: in the file, in a line for people, in a line of JSON.
+
+use serde_json::{Map, Value, json};
+
+use super::console::duration;
+use super::notes::Notes;
+use super::outputs::Target;
+use super::plan::Plan;
+use crate::image::Image;
+use crate::integrator::Rendered;
+use crate::output::{Record, Run};
+use crate::scene::import::{Imported, View};
+
+/// A finished render.
+pub(super) struct Summary<'a> {
+    pub(super) target: &'a Target,
+    pub(super) imported: &'a Imported,
+    pub(super) plan: &'a Plan,
+    pub(super) view: &'a View,
+    pub(super) rendered: &'a Rendered,
+    pub(super) run: Run,
+    pub(super) seed: u64,
+    pub(super) filter: &'static str,
+}
+
+impl Summary<'_> {
+    /// For the EXR file.
+    pub(super) fn record(&self, notes: &Notes) -> Record {
+        let counters = self.rendered.counters;
+        Record {
+            scene: self.target.name.clone(),
+            scene_hash: self.imported.hash,
+            integrator: self.plan.name.clone(),
+            options: self.plan.options.clone(),
+            sampler: self.view.sampler.name().to_owned(),
+            filter: self.filter.to_owned(),
+            seed: self.seed,
+            passes: self.rendered.passes,
+            samples: self.rendered.passes,
+            paths: counters.paths,
+            rays: counters.rays,
+            rejected: counters.rejected,
+            replaced: notes.replaced(),
+            run: self.run,
+        }
+    }
+
+    /// For people.
+    pub(super) fn line(&self) -> String {
+        let counters = self.rendered.counters;
+        let per_second = |count: u64| count as f64 / self.run.wall_seconds.max(1e-9) / 1e6;
+        let files: Vec<String> = self.files();
+        format!(
+            "{}: {} samples a pixel in {}, {:.2} Msamples/s, {:.2} Mrays/s; wrote {}",
+            self.target.name,
+            self.rendered.passes,
+            duration(self.run.wall_seconds),
+            per_second(counters.paths),
+            per_second(counters.rays),
+            files.join(", ")
+        )
+    }
+
+    /// For scripts. Times are those of rendering, without loading and writing.
+    pub(super) fn json(
+        &self,
+        notes: &Notes,
+        image: &Image,
+        load_seconds: f64,
+        interrupted: bool,
+    ) -> Value {
+        let record = self.record(notes);
+        let options = record.options.iter();
+        let options: Map<String, Value> = options
+            .map(|(name, value)| (name.clone(), option_value(value)))
+            .collect();
+        json!({
+            "scene": self.target.scene.display().to_string(),
+            "outputs": self.files(),
+            "integrator": record.integrator,
+            "options": options,
+            "seed": record.seed,
+            "threads": self.run.threads,
+            "load_s": load_seconds,
+            "wall_s": self.run.wall_seconds,
+            "cpu_s": self.run.cpu_seconds,
+            "passes": record.passes,
+            "spp": record.samples,
+            "paths": record.paths,
+            "rays": record.rays,
+            "mean": mean(image),
+            "rejected": record.rejected,
+            "interrupted": interrupted,
+            "replaced": record.replaced,
+            "warnings": notes.lines(),
+        })
+    }
+
+    fn files(&self) -> Vec<String> {
+        let files = self.target.files.iter();
+        files.map(|file| file.display().to_string()).collect()
+    }
+}
+
+/// Mean of red, green and blue over the image.
+fn mean(image: &Image) -> [f64; 3] {
+    ["R", "G", "B"].map(|name| {
+        let data = image
+            .channel(name)
+            .map_or(&[] as &[f32], |channel| &channel.data);
+        data.iter().copied().map(f64::from).sum::<f64>() / data.len().max(1) as f64
+    })
+}
+
+/// Booleans and numbers as such.
+fn option_value(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Precision;
+
+    #[test]
+    fn options_keep_their_kinds() {
+        assert_eq!(option_value("true"), json!(true));
+        assert_eq!(option_value("-1"), json!(-1));
+        assert_eq!(option_value("0.5"), json!(0.5));
+        assert_eq!(option_value("power"), json!("power"));
+    }
+
+    #[test]
+    fn the_mean_is_over_all_pixels() {
+        let mut image = Image::new(2, 1);
+        image.push_rgb("", Precision::Float, &[[1.0, 2.0, 3.0], [3.0, 2.0, 0.0]]);
+        assert_eq!(mean(&image), [2.0, 2.0, 1.5]);
+    }
+}

@@ -1,0 +1,133 @@
+//! Signals: what is rendered is written, whole or not at all.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, Command};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use lumiflow::image::AttributeValue;
+
+use super::{Done, Place, without_run};
+
+/// Sends a signal by its name, such as `INT`.
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill")
+        .args(["-s", signal, &child.id().to_string()])
+        .status()
+        .expect("kill runs");
+    assert!(status.success());
+}
+
+fn finish(child: Child) -> Done {
+    Done::from(child.wait_with_output().expect("the command ends"))
+}
+
+/// Starts an endless render and interrupts it when it has worked for a while.
+fn interrupted(place: &Place, signal: &str) -> Done {
+    let render = ["render", "room.xml", "--time", "1000000", "--json", "-q"];
+    let child = place.command(&render).spawn().expect("the command starts");
+    thread::sleep(Duration::from_millis(1500));
+    send(signal, &child);
+    finish(child)
+}
+
+#[test]
+fn signals_keep_whole_passes() {
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let place = Place::with_room();
+        let done = interrupted(&place, signal);
+        assert_eq!(done.code, Some(code), "{}", done.stderr);
+        let found = done.json();
+        assert_eq!(found["interrupted"], true);
+        let passes = found["passes"].as_u64().unwrap();
+        assert!(passes >= 1);
+        assert_eq!(found["paths"], passes * 24 * 16);
+        assert_eq!(place.names(), ["room.exr", "room.xml"]);
+        let image = place.exr("room.exr");
+        let noted = i32::try_from(passes).unwrap();
+        assert_eq!(
+            image.metadata.get("lumiflow.passes"),
+            Some(&AttributeValue::Int(noted))
+        );
+        let count = passes.to_string();
+        place.succeed(&[
+            "render",
+            "room.xml",
+            "-q",
+            "--passes",
+            &count,
+            "-o",
+            "again.exr",
+        ]);
+        assert!(without_run(image) == without_run(place.exr("again.exr")));
+    }
+}
+
+#[test]
+fn nothing_rendered_leaves_no_file() {
+    let place = Place::with_room();
+    // A single pass over this film takes far longer than the test waits.
+    let render = [
+        "render",
+        "room.xml",
+        "--size",
+        "8192x8192",
+        "--spp",
+        "1",
+        "-i",
+        "path",
+    ];
+    let mut child = place.command(&render).spawn().expect("the command starts");
+    thread::sleep(Duration::from_millis(1500));
+    let start = Instant::now();
+    send("INT", &child);
+    let mut stderr = String::new();
+    let pipe = child.stderr.take().expect("stderr is piped");
+    BufReader::new(pipe).read_to_string(&mut stderr).unwrap();
+    let done = finish(child);
+    assert_eq!(done.code, Some(130), "{stderr}");
+    assert!(stderr.contains("no file is written"), "{stderr}");
+    assert!(start.elapsed() < Duration::from_secs(20));
+    assert_eq!(place.names(), ["room.xml"]);
+}
+
+#[test]
+fn a_folder_that_vanishes_is_a_failure_of_writing() {
+    let place = Place::with_room();
+    place.write("out/keep", "");
+    let render = [
+        "render",
+        "room.xml",
+        "--time",
+        "1000000",
+        "-q",
+        "-o",
+        "out/a.exr",
+    ];
+    let child = place.command(&render).spawn().expect("the command starts");
+    thread::sleep(Duration::from_millis(1500));
+    std::fs::remove_dir_all(place.path("out")).unwrap();
+    send("TERM", &child);
+    let done = finish(child);
+    assert_eq!(done.code, Some(4), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("cannot write out/a.exr"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
+fn lines_tell_of_progress_where_there_is_no_terminal() {
+    let place = Place::with_room();
+    let render = ["render", "room.xml", "--time", "1000000"];
+    let mut child = place.command(&render).spawn().expect("the command starts");
+    let pipe = child.stderr.take().expect("stderr is piped");
+    let mut line = String::new();
+    BufReader::new(pipe).read_line(&mut line).unwrap();
+    send("TERM", &child);
+    finish(child);
+    for part in ["room: ", "% ", "Msamples/s", "Mrays/s", " left"] {
+        assert!(line.contains(part.trim()), "{part}: {line}");
+    }
+}
