@@ -94,7 +94,7 @@ fn in_prefix(prefix: &Path, major: u32) -> Option<Installation> {
 fn in_system(major: u32) -> Option<Installation> {
     let architecture = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
     let multiarch = format!("lib/{architecture}-linux-gnu");
-    ["/usr", "/usr/local"]
+    ["/usr", "/usr/local", "/opt/homebrew"]
         .iter()
         .find_map(|prefix| installation(Path::new(prefix), &[&multiarch, "lib64", "lib"], major))
 }
@@ -102,7 +102,9 @@ fn in_system(major: u32) -> Option<Installation> {
 fn installation(prefix: &Path, library_folders: &[&str], major: u32) -> Option<Installation> {
     let headers = prefix.join(format!("include/embree{major}"));
     let header = headers.join("rtcore.h");
-    let library = format!("libembree{major}.so");
+    let target = env::var("CARGO_CFG_TARGET_OS").unwrap_or_default();
+    let suffix = if target == "macos" { "dylib" } else { "so" };
+    let library = format!("libembree{major}.{suffix}");
     let libraries = library_folders
         .iter()
         .map(|folder| prefix.join(folder))

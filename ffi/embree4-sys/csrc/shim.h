@@ -7,6 +7,10 @@
 
 #include <rtcore.h>
 
+#if RTC_VERSION < 31300
+#error "Embree 3.13 or newer is needed"
+#endif
+
 /* Which callbacks an analytic geometry gets. */
 enum ShimKind { SHIM_SPHERE, SHIM_DISK, SHIM_CYLINDER };
 
