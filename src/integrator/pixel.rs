@@ -59,6 +59,9 @@ pub(super) fn first_surface<'s>(
 pub struct PixelSettings {
     /// The render's seed.
     pub seed: u64,
+    /// Width and height of the full film, in pixels: random numbers go by a pixel's place on it, so
+    /// that a window shows what the whole picture shows there.
+    pub film_size: (u32, u32),
     /// The pixels to render.
     pub window: Window,
     /// Reconstruction filter.
@@ -128,7 +131,8 @@ impl<'s> PixelRender<'s> {
         render
     }
 
-    /// Mean luminance of 4096 camera samples, for the film's unit: any rough value serves.
+    /// Mean luminance of 4096 camera samples all over the film, for its unit: any rough value
+    /// serves, if only all windows of a film have the same.
     fn mean_luminance(&self) -> f64 {
         const SIDE: u32 = 64;
         let mut counters = Counters::default();
@@ -143,9 +147,8 @@ impl<'s> PixelRender<'s> {
             let mut sampler = Sampler::new(SamplerKind::Independent, address);
             let cell = Vec2::new((index % SIDE) as f32, (index / SIDE) as f32);
             let place = (cell + sampler.next_2d()) / SIDE as f32;
-            let window = self.settings.window;
-            let size = Vec2::new(window.width as f32, window.height as f32);
-            let raster = Vec2::new(window.x as f32, window.y as f32) + place * size;
+            let (width, height) = self.settings.film_size;
+            let raster = place * Vec2::new(width as f32, height as f32);
             let ray = self.sensor.sample_ray(raster, sampler.next_2d());
             let estimate = self
                 .integrator
@@ -160,30 +163,36 @@ impl<'s> PixelRender<'s> {
         sum / f64::from(SIDE * SIDE)
     }
 
+    /// Index of a pixel in the full film with the filter's border around it.
+    fn pixel_index(&self, x: i32, y: i32) -> u32 {
+        let border = self.settings.filter.border();
+        let column = x.wrapping_add_unsigned(border) as u32;
+        let row = y.wrapping_add_unsigned(border) as u32;
+        let stride = self.settings.film_size.0 + 2 * border;
+        row.wrapping_mul(stride).wrapping_add(column)
+    }
+
     /// Makes one camera sample.
+    ///
+    /// - `x`, `y`: pixel of the full film or its border.
     fn sample_pixel(
         &self,
-        x: u32,
-        y: u32,
+        x: i32,
+        y: i32,
         pass: u32,
         layers: &[PassBuffer],
         counters: &mut Counters,
     ) {
         let settings = &self.settings;
-        let pixel = y * self.sampled.width + x;
         let address = PixelAddress {
             seed: settings.seed,
             purpose: Purpose::Pixel,
-            pixel,
+            pixel: self.pixel_index(x, y),
             sample: pass,
         };
         let mut sampler = Sampler::new(settings.sampler, address);
         let offset = self.offset_in_pixel(pass, &mut sampler);
-        let corner = Vec2::new(
-            (self.sampled.x + x as i32) as f32,
-            (self.sampled.y + y as i32) as f32,
-        );
-        let raster = corner + offset;
+        let raster = Vec2::new(x as f32, y as f32) + offset;
         let ray = self.sensor.sample_ray(raster, sampler.next_2d());
         let estimate = self
             .integrator
@@ -282,6 +291,7 @@ impl Integrator for PixelRender<'_> {
         let mut counters = Counters::default();
         for y in top..(top + BLOCK).min(self.sampled.height) {
             for x in left..(left + BLOCK).min(self.sampled.width) {
+                let (x, y) = (self.sampled.x + x as i32, self.sampled.y + y as i32);
                 self.sample_pixel(x, y, pass, layers, &mut counters);
             }
         }

@@ -13,8 +13,14 @@ pub enum Heuristic {
     #[default]
     Power,
     /// All to the technique with the largest density; ties go to the first technique.
+    ///
+    /// Densities that are equal but for rounding are a tie: each technique computes them from other
+    /// numbers, and both would take or both would leave the sample.
     Maximum,
 }
+
+/// Densities count as equal up to this factor.
+const TIE: f32 = 1.001;
 
 impl Heuristic {
     /// All heuristics, with their names in options.
@@ -36,7 +42,7 @@ impl Heuristic {
                 let ratio = second / first;
                 1.0 / (1.0 + ratio * ratio)
             }
-            Self::Maximum => f32::from(u8::from(first >= second)),
+            Self::Maximum => f32::from(u8::from(first * TIE >= second)),
         }
     }
 
@@ -49,7 +55,7 @@ impl Heuristic {
                 let ratio = first / second;
                 1.0 / (1.0 + ratio * ratio)
             }
-            Self::Maximum => f32::from(u8::from(first < second)),
+            Self::Maximum => f32::from(u8::from(first * TIE < second)),
         }
     }
 }
@@ -75,5 +81,9 @@ mod tests {
         assert_eq!(Heuristic::Balance.first_weight(1.0, 3.0), 0.25);
         assert_eq!(Heuristic::Power.first_weight(1.0, 3.0), 0.1);
         assert_eq!(Heuristic::Maximum.first_weight(1.0, 3.0), 0.0);
+        for second in [1.0 - 1e-6, 1.0 + 1e-6] {
+            assert_eq!(Heuristic::Maximum.first_weight(1.0, second), 1.0);
+            assert_eq!(Heuristic::Maximum.second_weight(1.0, second), 0.0);
+        }
     }
 }

@@ -86,9 +86,16 @@ impl TriangleMesh {
         let [a, b, c] = self.corners(triangle).map(Vec3A::from);
         let (b1, b2) = (barycentrics.x, barycentrics.y);
         let (to_b, to_c) = (b - a, c - a);
-        let position = Vec3::from(a + to_b * b1 + to_c * b2);
+        let mut position = a + to_b * b1 + to_c * b2;
         let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let (to_b, to_c, across) = (Vec3::from(to_b), Vec3::from(to_c), to_b.cross(to_c));
+        let error = SurfacePoint::error_bound(extent);
+        let across = to_b.cross(to_c);
+        let step = step_from_edges(b1.min(b2).min(1.0 - b1 - b2), [to_b, to_c, across], error);
+        if step > 0.0 {
+            let middle = a + (to_b + to_c) * (1.0 / 3.0);
+            position += (middle - position) * step;
+        }
+        let (to_b, to_c) = (Vec3::from(to_b), Vec3::from(to_c));
         let mut geometric_normal = unit_or(across.into(), Vec3::Z);
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
@@ -112,9 +119,8 @@ impl TriangleMesh {
         } else {
             Vec3::ZERO
         };
-        let error = SurfacePoint::error_bound(extent);
         SurfacePoint {
-            position,
+            position: position.into(),
             geometric_normal,
             shading_normal,
             tangent,
@@ -134,6 +140,26 @@ impl TriangleMesh {
         }
         (to_b * dv.y - to_c * du.y) / determinant
     }
+}
+
+/// How far, as a share of the way to its middle, a point of a triangle must move so that rounding
+/// cannot have put it beyond an edge, and so behind the wall that stands there; mostly zero.
+///
+/// - `least`: smallest of the point's three barycentrics.
+/// - `spans`: the edges from the first corner, and their cross product.
+/// - `error`: bound on the error of the point's position, in metres.
+#[inline]
+fn step_from_edges(least: f32, spans: [Vec3A; 3], error: f32) -> f32 {
+    let [to_b, to_c, across] = spans;
+    // Distances from edges are barycentrics times heights, and heights are at least the cross
+    // product's length over the longest edge.
+    let needed = 2.0 * error * to_b.abs().max(to_c.abs()).element_sum();
+    let squared = across.length_squared();
+    if least * least * squared >= needed * needed {
+        return 0.0;
+    }
+    // All of the middle's barycentrics are a third.
+    (3.0 * needed / squared.sqrt()).min(1.0)
 }
 
 impl From<MeshData> for TriangleMesh {

@@ -3,3 +3,5 @@
 pub(crate) mod directions;
 pub(crate) mod faulty;
 pub(crate) mod materials;
+pub(crate) mod render;
+pub(crate) mod scenes;

@@ -1,0 +1,238 @@
+//! Renders of small scenes, and what their replicas say about each other.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+
+use lumiflow::film::{Filter, Window};
+use lumiflow::integrator::{self, PixelIntegrator, PixelRender, PixelSettings, Rendered};
+use lumiflow::math::Rgb;
+use lumiflow::math::statistics::sidak;
+use lumiflow::random::SamplerKind;
+use lumiflow::scene::Scene;
+use lumiflow::scene::options::{OptionReader, OptionValue, Options};
+use lumiflow::sensor::Sensor;
+use statrs::function::beta::beta_reg;
+
+/// An integrator by name with options as on the command line: `path max_depth=5 mis=balance`.
+pub(crate) fn integrator(text: &str) -> Box<dyn PixelIntegrator> {
+    let mut words = text.split(' ');
+    let name = words.next().unwrap_or_default();
+    let options: Options = words
+        .map(|word| word.split_once('=').expect("an option is KEY=VALUE"))
+        .map(|(key, value)| (key.to_owned(), OptionValue::parse(value)))
+        .collect();
+    let mut reader = OptionReader::new(&options);
+    let made = integrator::from_options(name, &mut reader).expect("the options are right");
+    assert_eq!(reader.unused(), Vec::<String>::new(), "{text}");
+    made
+}
+
+/// Settings of a plain render: one sample falls into one pixel.
+pub(crate) fn settings(seed: u64, side: u32) -> PixelSettings {
+    PixelSettings {
+        seed,
+        film_size: (side, side),
+        window: Window::full(side, side),
+        filter: Filter::pixel_box(),
+        sampler: SamplerKind::Independent,
+        alpha: false,
+        second_moment: false,
+        aovs: Vec::new(),
+    }
+}
+
+/// Renders a number of passes, keeping the variance of every layer.
+pub(crate) fn run(
+    scene: &Scene,
+    sensor: &Sensor,
+    integrator: &dyn PixelIntegrator,
+    settings: PixelSettings,
+    passes: u32,
+) -> Rendered {
+    let render = PixelRender::new(scene, sensor, integrator, settings);
+    integrator::render(
+        &render,
+        |_| true,
+        &AtomicBool::default(),
+        &Default::default(),
+        |step| {
+            if step.passes < passes {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        },
+    )
+}
+
+/// The image of a render, without alpha.
+pub(crate) fn image(rendered: &Rendered) -> Vec<Rgb> {
+    let (layer, sum) = &rendered.layers[0];
+    sum.mean()
+        .chunks(layer.channels.len())
+        .map(|pixel| Rgb::new(pixel[0], pixel[1], pixel[2]))
+        .collect()
+}
+
+/// One image of a scene, by the integrator that `text` describes.
+pub(crate) fn picture(
+    scene: &Scene,
+    sensor: &Sensor,
+    text: &str,
+    settings: PixelSettings,
+    passes: u32,
+) -> Vec<Rgb> {
+    let integrator = integrator(text);
+    image(&run(scene, sensor, integrator.as_ref(), settings, passes))
+}
+
+/// Mean luminance of an image.
+pub(crate) fn mean(image: &[Rgb]) -> f64 {
+    let sum: f64 = image.iter().map(|c| f64::from(c.luminance())).sum();
+    sum / image.len() as f64
+}
+
+/// Mean luminance of each square of `tile` × `tile` pixels of a square image.
+pub(crate) fn tiles(image: &[Rgb], tile: usize) -> Vec<f64> {
+    let side = image.len().isqrt();
+    assert_eq!(side * side, image.len(), "the image is square");
+    let count = side / tile;
+    let mut sums = vec![0.0; count * count];
+    for (index, colour) in image.iter().enumerate() {
+        let (x, y) = (index % side / tile, index / side / tile);
+        if x < count && y < count {
+            sums[y * count + x] += f64::from(colour.luminance()) / (tile * tile) as f64;
+        }
+    }
+    sums
+}
+
+/// Values of several independent renders of the same thing.
+pub(crate) struct Replicas {
+    /// For each replica its values: one a tile.
+    pub(crate) values: Vec<Vec<f64>>,
+}
+
+impl Replicas {
+    /// Runs `render` with one seed after another.
+    ///
+    /// - `render`: a seed's values.
+    pub(crate) fn new(first_seed: u64, count: u64, render: impl Fn(u64) -> Vec<f64>) -> Self {
+        Self {
+            values: (first_seed..first_seed + count).map(render).collect(),
+        }
+    }
+
+    /// Mean of one value, and the variance of that mean.
+    fn mean_and_variance(&self, index: usize) -> (f64, f64) {
+        let n = self.values.len() as f64;
+        let mean = self.values.iter().map(|v| v[index]).sum::<f64>() / n;
+        let squares = self.values.iter().map(|v| (v[index] - mean).powi(2));
+        (mean, squares.sum::<f64>() / (n * (n - 1.0)))
+    }
+
+    /// Checks each value against its expectation, and the mean of all values against theirs.
+    ///
+    /// Student's t; the family of all of them errs with probability `level` (Šidák).
+    pub(crate) fn check(&self, expected: &[f64], level: f64) -> Result<(), String> {
+        let known = expected.iter().map(|e| (*e, 0.0)).collect::<Vec<_>>();
+        self.compare(&known, f64::INFINITY, level)
+    }
+
+    /// Checks that two sets of replicas have the same means, as [`Replicas::check`].
+    pub(crate) fn check_same(&self, other: &Self, level: f64) -> Result<(), String> {
+        let others: Vec<_> = (0..other.values[0].len())
+            .map(|i| other.mean_and_variance(i))
+            .collect();
+        self.compare(&others, other.values.len() as f64 - 1.0, level)
+    }
+
+    fn compare(&self, other: &[(f64, f64)], other_freedom: f64, level: f64) -> Result<(), String> {
+        let level = sidak(level, other.len() + 1);
+        let freedom = self.values.len() as f64 - 1.0;
+        for (index, (expected, variance)) in other.iter().enumerate() {
+            let (mean, own) = self.mean_and_variance(index);
+            let total = own + variance;
+            // Welch and Satterthwaite's number of degrees of freedom.
+            let denominator = own * own / freedom + variance * variance / other_freedom;
+            let freedom = total * total / denominator.max(f64::MIN_POSITIVE);
+            let what = format!("value {index}");
+            verdict(&what, mean, *expected, total, freedom, level)?;
+        }
+        let (mean, own) = self.overall().mean_and_variance(0);
+        let expected = other.iter().map(|(e, _)| e).sum::<f64>() / other.len() as f64;
+        // Values of one replica may be correlated; those of pixels are not.
+        let variance = other.iter().map(|(_, v)| v).sum::<f64>() / (other.len() as f64).powi(2);
+        verdict(
+            "the mean of all",
+            mean,
+            expected,
+            own + variance,
+            freedom,
+            level,
+        )
+    }
+
+    /// The same replicas with one value, the mean of all.
+    fn overall(&self) -> Self {
+        let mean = |values: &Vec<f64>| vec![values.iter().sum::<f64>() / values.len() as f64];
+        Self {
+            values: self.values.iter().map(mean).collect(),
+        }
+    }
+}
+
+/// Checks one mean against its expectation.
+fn verdict(
+    what: &str,
+    mean: f64,
+    expected: f64,
+    variance: f64,
+    freedom: f64,
+    level: f64,
+) -> Result<(), String> {
+    let difference = mean - expected;
+    // Where nothing varies, single precision is the only error left.
+    if difference.abs() <= 1e-5 * expected.abs() {
+        return Ok(());
+    }
+    let t = difference / variance.sqrt();
+    let p = student_p(t, freedom);
+    if p > level {
+        return Ok(());
+    }
+    Err(format!(
+        "{what}: {mean:.6}, not {expected:.6} (t = {t:.2}, p = {p:.1e}, level {level:.1e})"
+    ))
+}
+
+/// Chance that a value at least as far out as `t` comes from Student's distribution, on either side.
+fn student_p(t: f64, freedom: f64) -> f64 {
+    if !t.is_finite() {
+        return 0.0;
+    }
+    let x = freedom / (freedom + t * t);
+    beta_reg(freedom / 2.0, 0.5, x)
+}
+
+#[test]
+fn student_quantiles_are_those_of_the_tables() {
+    assert!((student_p(2.0423, 30.0) - 0.05).abs() < 1e-4);
+    assert!((student_p(-12.706, 1.0) - 0.05).abs() < 1e-4);
+}
+
+#[test]
+fn replicas_that_are_a_little_off_are_found() {
+    use lumiflow::random::{Purpose, Stream};
+    // Eight values a replica, uniform around 1 with a deviation of 0.3.
+    let replicas = |offset: f64| {
+        Replicas::new(1, 32, |seed| {
+            let mut stream = Stream::new(seed, Purpose::Check, 0, 0);
+            let mut value = || 0.5 + offset + f64::from(stream.next_f32());
+            (0..8).map(|_| value()).collect()
+        })
+    };
+    assert_eq!(replicas(0.0).check(&[1.0; 8], 0.01), Ok(()));
+    assert!(replicas(0.1).check(&[1.0; 8], 0.01).is_err());
+    assert!(replicas(0.0).check_same(&replicas(0.3), 0.01).is_err());
+}
