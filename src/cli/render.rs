@@ -184,6 +184,7 @@ impl Session<'_> {
         let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
         let settings = PixelSettings {
             seed: self.args.seed,
+            film_size: view.film_size,
             window: view.window,
             filter: self.filter(view),
             sampler: view.sampler,
