@@ -1,7 +1,7 @@
 //! Where and from where materials are looked at.
 
 use lumiflow::bsdf::{Bsdf, BsdfModel, Transport};
-use lumiflow::math::{Frame, Local, Vec2, Vec3};
+use lumiflow::math::{Local, Vec2, Vec3};
 use lumiflow::random::{Purpose, Stream};
 use lumiflow::shape::SurfacePoint;
 
