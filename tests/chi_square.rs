@@ -7,6 +7,7 @@ use lumiflow::math::statistics::sidak;
 use lumiflow::random::{Purpose, Stream};
 
 use crate::support::directions::direction_p;
+use crate::support::effort::{level, seed};
 use crate::support::faulty::{Fault, Faulty};
 use crate::support::materials::{Case, cases, direction, numbers, surface_point};
 
@@ -29,11 +30,11 @@ fn material_p(
 
 #[test]
 fn materials_sample_what_their_densities_say() {
-    let cases: Vec<Case> = cases(11)
+    let cases: Vec<Case> = cases(seed(11))
         .into_iter()
         .filter(|case| case.bsdf.lobes().finite)
         .collect();
-    let level = sidak(0.01, cases.len());
+    let level = sidak(level(0.01), cases.len());
     for mut case in cases {
         let bsdf = &case.bsdf;
         let p = material_p(bsdf, bsdf, case.wi, case.transport, &mut case.stream);
@@ -43,7 +44,7 @@ fn materials_sample_what_their_densities_say() {
 
 #[test]
 fn a_density_that_is_a_little_off_is_found() {
-    let mut stream = Stream::new(12, Purpose::Check, 0, 0);
+    let mut stream = Stream::new(seed(12), Purpose::Check, 0, 0);
     let wi = direction(30.0, 20.0);
     let diffuse = Diffuse::new(0.5);
     let faulty = Faulty {

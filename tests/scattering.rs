@@ -7,6 +7,7 @@ use lumiflow::math::{Local, Rgb, Vec2};
 use lumiflow::random::{Purpose, Stream};
 
 use crate::support::directions::Cells;
+use crate::support::effort::{level, samples, seed};
 use crate::support::faulty::{Fault, Faulty};
 use crate::support::materials::{Case, TRANSPORTS, cases, direction, numbers, surface_point};
 
@@ -34,8 +35,8 @@ fn events(bsdf: &dyn BsdfModel, wi: Local, transport: Transport) -> Vec<(Compone
 }
 
 /// Runs one check on every example, from every view, for both transports.
-fn check_all(seed: u64, check: impl Fn(&mut Case) -> Outcome) {
-    for mut case in cases(seed) {
+fn check_all(base: u64, check: impl Fn(&mut Case) -> Outcome) {
+    for mut case in cases(seed(base)) {
         if let Err(text) = check(&mut case) {
             panic!("{}: {text}", case.name);
         }
@@ -50,7 +51,7 @@ fn samples_agree(
     stream: &mut Stream,
 ) -> Outcome {
     let at = surface_point();
-    for _ in 0..300 {
+    for _ in 0..samples(300) {
         let (u_lobe, u) = numbers(stream);
         let Some(sample) = bsdf.sample(wi, &at, transport, u_lobe, u) else {
             continue;
@@ -97,12 +98,12 @@ fn selection_p(
     transport: Transport,
     stream: &mut Stream,
 ) -> Option<f64> {
-    const COUNT: u32 = 20_000;
+    let count = samples(20_000);
     let at = surface_point();
     // The last place counts finite lobes and directions without a sample.
     let others = usize::from(bsdf.component_count());
     let mut observed = vec![0.0; others + 1];
-    for _ in 0..COUNT {
+    for _ in 0..count {
         let (u_lobe, u) = numbers(stream);
         let dirac = bsdf
             .sample(wi, &at, transport, u_lobe, u)
@@ -111,9 +112,9 @@ fn selection_p(
     }
     let mut expected = vec![0.0; others + 1];
     for (component, event) in events(bsdf, wi, transport) {
-        expected[usize::from(component.0)] = f64::from(COUNT) * f64::from(event.probability);
+        expected[usize::from(component.0)] = f64::from(count) * f64::from(event.probability);
     }
-    let rest = f64::from(COUNT) - expected.iter().sum::<f64>();
+    let rest = f64::from(count) - expected.iter().sum::<f64>();
     expected[others] = if rest < 1e-2 { 0.0 } else { rest };
     let certain = expected.iter().filter(|e| **e > 0.0).count() < 2;
     match chi_square_p(&observed, &expected) {
@@ -172,19 +173,20 @@ fn mean_weight_p(
 ) -> f64 {
     /// Relative error of the quadrature.
     const QUADRATURE: f64 = 2e-4;
-    const COUNT: f64 = 10_000.0;
+    let count = samples(10_000);
     let at = surface_point();
     let [exact] = scattered(bsdf, wi, transport, [0], stream);
     let (mut sum, mut squares) = (0.0, 0.0);
-    for _ in 0..COUNT as u32 {
+    for _ in 0..count {
         let (u_lobe, u) = numbers(stream);
         let sample = bsdf.sample(wi, &at, transport, u_lobe, u);
         let weight = sample.map_or(0.0, |sample| f64::from(sample.weight.r()));
         sum += weight;
         squares += weight * weight;
     }
-    let mean = sum / COUNT;
-    let variance = (squares / COUNT - mean * mean).max(0.0) / COUNT;
+    let count = f64::from(count);
+    let mean = sum / count;
+    let variance = (squares / count - mean * mean).max(0.0) / count;
     let deviation = (variance + (QUADRATURE * exact).powi(2) + 1e-12).sqrt();
     two_sided_p((mean - exact) / deviation)
 }
@@ -198,7 +200,7 @@ fn mean_weight_p(
 fn light_goes_both_ways(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Outcome {
     const TOLERANCE: f32 = 3e-3;
     let at = surface_point();
-    for _ in 0..100 {
+    for _ in 0..samples(100) {
         let (u_lobe, u) = numbers(stream);
         let Some(sample) = bsdf.sample(wi, &at, Transport::Importance, u_lobe, u) else {
             continue;
@@ -236,11 +238,11 @@ fn samples_agree_with_eval_density_and_follow() {
 
 #[test]
 fn diracs_are_selected_with_their_probabilities() {
-    let cases: Vec<Case> = cases(22)
+    let cases: Vec<Case> = cases(seed(22))
         .into_iter()
         .filter(|case| case.bsdf.lobes().dirac)
         .collect();
-    let level = sidak(0.01, cases.len());
+    let level = sidak(level(0.01), cases.len());
     for mut case in cases {
         let p = selection_p(&case.bsdf, case.wi, case.transport, &mut case.stream);
         assert!(p.unwrap_or(1.0) > level, "{}: p = {p:?}", case.name);
@@ -257,8 +259,8 @@ fn no_material_makes_energy() {
 
 #[test]
 fn mean_weights_are_the_integral_of_eval() {
-    let cases = cases(24);
-    let level = sidak(0.01, cases.len());
+    let cases = cases(seed(24));
+    let level = sidak(level(0.01), cases.len());
     for mut case in cases {
         let p = mean_weight_p(&case.bsdf, case.wi, case.transport, &mut case.stream);
         assert!(p > level, "{}: p = {p:.2e}", case.name);
@@ -312,7 +314,7 @@ fn nothing_breaks_at_the_edges() {
 
 #[test]
 fn planted_errors_are_found() {
-    let mut stream = Stream::new(26, Purpose::Check, 0, 0);
+    let mut stream = Stream::new(seed(26), Purpose::Check, 0, 0);
     let stream = &mut stream;
     let example = |name: &str| {
         let all = Bsdf::examples();

@@ -9,10 +9,12 @@ use lumiflow::math::Local;
 use lumiflow::math::statistics::chi_square_p;
 use lumiflow::random::Stream;
 
+use crate::support::effort::samples;
+
 /// Directions of the pilot run.
 const PILOT: usize = 8_000;
-/// Directions of the histogram.
-const COUNT: usize = 40_000;
+/// Directions of the histogram; the proof takes more.
+const COUNT: u32 = 40_000;
 /// A part of the sphere with more directions of the pilot run than this is more than one cell.
 const CROWDED: usize = 40;
 /// A cell with more directions than this is integrated in pieces: a rule of few points must not
@@ -226,11 +228,12 @@ pub(crate) fn direction_p(
     );
     let mut observed = vec![0.0; cells.cells.len() + 1];
     let outside = cells.cells.len();
-    for _ in 0..COUNT {
+    let count = samples(COUNT);
+    for _ in 0..count {
         let index = sample(stream).map_or(outside, |direction| cells.find(direction));
         observed[index] += 1.0;
     }
-    let count = COUNT as f64;
+    let count = f64::from(count);
     let mut expected: Vec<f64> = cells.integrals(&density).map(|p| p * count).collect();
     let missing = 1.0 - expected.iter().sum::<f64>() / count;
     if missing < -1e-3 {

@@ -1,6 +1,7 @@
 //! What several integration tests share.
 
 pub(crate) mod directions;
+pub(crate) mod effort;
 pub(crate) mod faulty;
 pub(crate) mod materials;
 pub(crate) mod render;
