@@ -29,7 +29,7 @@ picture() {
     "$lumiflow" render "scenes/$name/scene.xml" --spp "$spp" "$@" -o "docs/gallery/$name.png"
 }
 
-picture cornell-box 256 --size 320x320
-picture cornell-caustic 256 --size 320x320
+picture cornell-box 256 --size 320x268
+picture cornell-caustic 256 --size 320x268
 picture door-ajar 512 --exposure 0.5
 picture glass-in-glass 512
