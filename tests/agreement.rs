@@ -1,73 +1,25 @@
 //! Whatever only changes how paths are found leaves the picture as it is.
 
-use lumiflow::bsdf::{
-    Dielectric, Diffuse, MicrofacetKind, Plastic, RelativeIor, RoughConductor, Roughness,
-};
+use lumiflow::bsdf::Diffuse;
 use lumiflow::emitter::{Constant, Point};
 use lumiflow::film::{Filter, FilterKind};
 use lumiflow::integrator::PixelSettings;
 use lumiflow::math::{Rgb, Vec3};
 use lumiflow::random::SamplerKind;
 use lumiflow::scene::{Scene, SceneBuilder};
-use lumiflow::sensor::Sensor;
 use lumiflow::shape::TriangleMesh;
 use lumiflow::shape::mesh::MeshData;
 
 use crate::support::render::{Replicas, mean, picture, settings, tiles};
-use crate::support::scenes::{camera, hollow_sphere, part, rectangle, scene, sphere};
+use crate::support::scenes::{camera, hollow_sphere, part, scene, studio, studio_camera};
 
 const SIDE: u32 = 24;
 const REPLICAS: u64 = 16;
 /// Chance that a right program fails one of these tests with another seed.
 const LEVEL: f64 = 1e-3;
 
-/// A floor with bodies of several materials under lights of several kinds.
-///
-/// - `strength`: of all lights.
-fn studio(strength: f32, more: impl FnOnce(&mut SceneBuilder)) -> Scene {
-    let ior = RelativeIor::new(1.5, 1.0).expect("the indices are positive");
-    let roughness = Roughness::isotropic(MicrofacetKind::Ggx, 0.2);
-    let floor = rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0);
-    let lamp = rectangle(Vec3::new(-1.0, 3.0, 0.5), Vec3::X, Vec3::Z * 0.8);
-    let parts = [
-        part(floor, Plastic::new(ior, 1.0, Rgb::new(0.6, 0.5, 0.4), true)),
-        part(
-            sphere(Vec3::new(-0.9, 0.6, 0.0), 0.6),
-            RoughConductor::new(roughness, None, 0.9),
-        ),
-        part(
-            sphere(Vec3::new(0.6, 0.5, 0.5), 0.5),
-            Dielectric::new(ior, 1.0, 1.0),
-        ),
-        part(
-            sphere(Vec3::new(0.5, 0.4, -1.2), 0.4),
-            Diffuse::new(Rgb::new(0.2, 0.5, 0.8)),
-        ),
-        part(lamp, Diffuse::new(0.0)).glowing(Rgb::new(5.0, 4.0, 3.0) * strength),
-        part(sphere(Vec3::new(2.0, 1.5, 0.0), 0.3), Diffuse::new(0.5))
-            .glowing(Rgb::new(2.0, 3.0, 6.0) * strength),
-    ];
-    scene(parts, |builder| {
-        builder.add_emitter(Constant::new(Rgb::new(0.2, 0.25, 0.3) * strength));
-        builder.add_emitter(Point::new(
-            Vec3::new(0.0, 2.5, 2.0),
-            Rgb::grey(1.5) * strength,
-        ));
-        more(builder);
-    })
-}
-
-fn studio_camera() -> Sensor {
-    camera(
-        Vec3::new(0.5, 2.0, 4.5),
-        Vec3::new(0.0, 0.5, 0.0),
-        45.0,
-        SIDE,
-    )
-}
-
 fn replicas(scene: &Scene, text: &str, sampler: SamplerKind, seed: u64) -> Replicas {
-    let sensor = studio_camera();
+    let sensor = studio_camera(SIDE);
     Replicas::new(seed, REPLICAS, |seed| {
         let settings = PixelSettings {
             sampler,
@@ -139,7 +91,7 @@ fn lights_that_are_out_change_only_the_noise() -> Result<(), String> {
 
 #[test]
 fn twice_the_light_is_twice_the_picture_to_the_last_bit() {
-    let sensor = studio_camera();
+    let sensor = studio_camera(SIDE);
     let render = |strength: f32| {
         let scene = studio(strength, |_| {});
         picture(&scene, &sensor, "path", settings(4, SIDE), 4)

@@ -123,6 +123,13 @@ impl Replicas {
         }
     }
 
+    /// Mean of each value, and the variance of that mean.
+    pub(crate) fn summary(&self) -> Vec<(f64, f64)> {
+        (0..self.values[0].len())
+            .map(|i| self.mean_and_variance(i))
+            .collect()
+    }
+
     /// Mean of one value, and the variance of that mean.
     fn mean_and_variance(&self, index: usize) -> (f64, f64) {
         let n = self.values.len() as f64;
@@ -141,10 +148,19 @@ impl Replicas {
 
     /// Checks that two sets of replicas have the same means, as [`Replicas::check`].
     pub(crate) fn check_same(&self, other: &Self, level: f64) -> Result<(), String> {
-        let others: Vec<_> = (0..other.values[0].len())
-            .map(|i| other.mean_and_variance(i))
-            .collect();
-        self.compare(&others, other.values.len() as f64 - 1.0, level)
+        self.check_against(&other.summary(), other.values.len(), level)
+    }
+
+    /// Checks against the [`Replicas::summary`] of others, as [`Replicas::check`].
+    ///
+    /// - `count`: number of the other replicas.
+    pub(crate) fn check_against(
+        &self,
+        summary: &[(f64, f64)],
+        count: usize,
+        level: f64,
+    ) -> Result<(), String> {
+        self.compare(summary, count as f64 - 1.0, level)
     }
 
     fn compare(&self, other: &[(f64, f64)], other_freedom: f64, level: f64) -> Result<(), String> {

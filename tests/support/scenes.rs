@@ -1,6 +1,9 @@
 //! Small scenes, put together by hand.
 
-use lumiflow::bsdf::{Bsdf, Diffuse};
+use lumiflow::bsdf::{
+    Bsdf, Dielectric, Diffuse, MicrofacetKind, Plastic, RelativeIor, RoughConductor, Roughness,
+};
+use lumiflow::emitter::{Constant, Point};
 use lumiflow::math::{Mat4, Rgb, Transform, Vec2, Vec3};
 use lumiflow::scene::{Scene, SceneBuilder};
 use lumiflow::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings, Sensor};
@@ -185,4 +188,50 @@ pub(crate) fn cornell_camera(to_world: Mat4, side: u32) -> Sensor {
     let from = to_world.transform_point3(Vec3::new(0.0, 0.0, 3.6));
     let to = to_world.transform_point3(Vec3::ZERO);
     camera(from, to, 40.0, side)
+}
+
+/// A floor with bodies of several materials under lights of several kinds.
+///
+/// - `strength`: of all lights.
+pub(crate) fn studio(strength: f32, more: impl FnOnce(&mut SceneBuilder)) -> Scene {
+    let ior = RelativeIor::new(1.5, 1.0).expect("the indices are positive");
+    let roughness = Roughness::isotropic(MicrofacetKind::Ggx, 0.2);
+    let floor = rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0);
+    let lamp = rectangle(Vec3::new(-1.0, 3.0, 0.5), Vec3::X, Vec3::Z * 0.8);
+    let parts = [
+        part(floor, Plastic::new(ior, 1.0, Rgb::new(0.6, 0.5, 0.4), true)),
+        part(
+            sphere(Vec3::new(-0.9, 0.6, 0.0), 0.6),
+            RoughConductor::new(roughness, None, 0.9),
+        ),
+        part(
+            sphere(Vec3::new(0.6, 0.5, 0.5), 0.5),
+            Dielectric::new(ior, 1.0, 1.0),
+        ),
+        part(
+            sphere(Vec3::new(0.5, 0.4, -1.2), 0.4),
+            Diffuse::new(Rgb::new(0.2, 0.5, 0.8)),
+        ),
+        part(lamp, Diffuse::new(0.0)).glowing(Rgb::new(5.0, 4.0, 3.0) * strength),
+        part(sphere(Vec3::new(2.0, 1.5, 0.0), 0.3), Diffuse::new(0.5))
+            .glowing(Rgb::new(2.0, 3.0, 6.0) * strength),
+    ];
+    scene(parts, |builder| {
+        builder.add_emitter(Constant::new(Rgb::new(0.2, 0.25, 0.3) * strength));
+        builder.add_emitter(Point::new(
+            Vec3::new(0.0, 2.5, 2.0),
+            Rgb::grey(1.5) * strength,
+        ));
+        more(builder);
+    })
+}
+
+/// The camera that looks at [`studio`].
+pub(crate) fn studio_camera(side: u32) -> Sensor {
+    camera(
+        Vec3::new(0.5, 2.0, 4.5),
+        Vec3::new(0.0, 0.5, 0.0),
+        45.0,
+        side,
+    )
 }

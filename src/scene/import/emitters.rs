@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use super::loader::Loader;
 use super::xml::{ColourSource, ColourUse, ElementId, ElementReader};
-use crate::emitter::{Beam, Constant, Directional, Emitter, EmitterError, Envmap, Point, Spot};
+use crate::emitter::{
+    Beam, Constant, Directional, Emitter, EmitterClass, EmitterError, EmitterModel, Envmap, Point,
+    Spot,
+};
 use crate::math::{Rgb, Transform, Vec3};
 use crate::texture::Texture;
 
@@ -36,8 +39,7 @@ impl Loader<'_> {
                     KNOWN,
                     "a constant environment of radiance 1 is used instead",
                 );
-                self.builder.add_emitter(Constant::new(Rgb::WHITE));
-                return;
+                return self.add_emitter(id, Constant::new(Rgb::WHITE).into());
             }
             _ => {
                 self.unknown_plugin(id, KNOWN, "left out");
@@ -46,8 +48,23 @@ impl Loader<'_> {
         };
         reader.finish();
         if let Some(emitter) = built {
-            self.builder.add_emitter(emitter);
+            self.add_emitter(id, emitter);
         }
+    }
+
+    /// Adds a light to the scene, unless it is a second environment.
+    fn add_emitter(&mut self, id: ElementId, emitter: Emitter) {
+        if emitter.class() == EmitterClass::Environment {
+            if let Some(first) = self.environment {
+                let first = self.location(first);
+                let message = format!("a second environment: the first stands at {first}");
+                self.problems
+                    .unsupported(self.location(id), message, "left out");
+                return;
+            }
+            self.environment = Some(id);
+        }
+        self.builder.add_emitter(emitter);
     }
 
     /// Radiance of the area light inside a shape.

@@ -23,6 +23,8 @@ pub(super) struct Loader<'t> {
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
     /// The material of shapes that name none.
     pub(super) default_bsdf: Option<BsdfId>,
+    /// The light that surrounds the scene.
+    pub(super) environment: Option<ElementId>,
     /// The emitters that stand inside shapes, or that shapes refer to.
     pub(super) area_lights: HashSet<ElementId>,
     /// Whether the material under construction depends on the direction of the tangent, and those
@@ -42,6 +44,7 @@ impl<'t> Loader<'t> {
             textures: HashMap::new(),
             serialized: HashMap::new(),
             default_bsdf: None,
+            environment: None,
             area_lights: HashSet::new(),
             anisotropic: false,
             needs_tangents: HashSet::new(),

@@ -138,6 +138,8 @@ impl Loader<'_> {
     /// Builds everything that stands in the scene element.
     fn load(&mut self, options: &ImportOptions) -> (Vec<View>, IntegratorRequest) {
         let root = self.tree.root();
+        // A file that could not be read to its end lacks things that it may well have.
+        let is_whole = !self.problems.has_errors();
         let mut reader = self.reader(root);
         self.take_tree_into_hash(options);
         // Materials that no shape uses are read, too: their problems count.
@@ -154,7 +156,7 @@ impl Loader<'_> {
             }
         }
         let sensors = reader.children(ElementKind::Sensor);
-        if sensors.is_empty() {
+        if sensors.is_empty() && is_whole {
             self.problems
                 .error(self.location(root), "the scene has no sensor");
         }
