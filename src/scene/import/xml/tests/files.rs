@@ -143,7 +143,7 @@ fn extra_folders_are_searched_last_and_missing_files_are_forgiven_when_lenient()
     };
     let (document, said) = read_files(&[("scene.xml", &scene(body))], &options);
     let folder = extra.path().display();
-    let missing = format!("warning: file \"gone.obj\" not found in @, {folder}");
+    let missing = format!("warning: file \"gone.obj\" not found in @, {folder}; left out");
     assert_eq!(said, [format!("@/scene.xml:3:25: {missing}")]);
     assert!(!document.problems.has_errors());
 }
