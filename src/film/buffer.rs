@@ -13,8 +13,8 @@ use crate::math::Vec2;
 pub struct Unit(f64);
 
 impl Unit {
-    /// The unit for values around `magnitude`: 2⁻³² of it, so that one value can be two thousand
-    /// million times as large before it leaves the range.
+    /// The unit for values around `magnitude`: 2⁻³² of it. A single value can be sixteen million times
+    /// as large before it is out of range.
     ///
     /// Zero, infinite or broken magnitudes count as one.
     pub fn for_magnitude(magnitude: f64) -> Self {

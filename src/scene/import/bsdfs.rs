@@ -102,7 +102,7 @@ impl Loader<'_> {
             match reader.texture(name, ColourUse::Reflectance) {
                 Some(ColourSource::Constant(colour)) => sum += colour,
                 Some(ColourSource::Texture(texture)) => {
-                    if let Some(texture) = self.texture(texture, false) {
+                    if let Some(texture) = self.texture(texture) {
                         return Diffuse::new(texture).into();
                     }
                 }
@@ -137,7 +137,7 @@ impl Loader<'_> {
     }
 
     fn mask(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let opacity = self.scalar(reader, "opacity", 0.5);
+        let opacity = self.reflectance(reader, "opacity", 0.5);
         let nested = match reader.child(ElementKind::Bsdf) {
             Some(nested) => self.build_bsdf(nested),
             None => {
@@ -294,22 +294,15 @@ impl Loader<'_> {
     fn reflectance(&mut self, reader: &mut ElementReader<'_>, name: &str, default: f32) -> Texture {
         match reader.texture(name, ColourUse::Reflectance) {
             Some(ColourSource::Constant(colour)) => colour.into(),
-            Some(ColourSource::Texture(id)) => {
-                self.texture(id, false).unwrap_or_else(|| default.into())
-            }
+            Some(ColourSource::Texture(id)) => self.texture(id).unwrap_or_else(|| default.into()),
             None => default.into(),
         }
-    }
-
-    fn scalar(&mut self, reader: &mut ElementReader<'_>, name: &str, default: f32) -> Texture {
-        self.optional_scalar(reader, name)
-            .unwrap_or_else(|| default.into())
     }
 
     fn optional_scalar(&mut self, reader: &mut ElementReader<'_>, name: &str) -> Option<Texture> {
         match reader.scalar_texture(name)? {
             ScalarSource::Constant(value) => Some(value.into()),
-            ScalarSource::Texture(id) => self.texture(id, true),
+            ScalarSource::Texture(id) => self.texture(id),
         }
     }
 }

@@ -77,7 +77,7 @@ impl Loader<'_> {
         reader.ignore(&["sampling_weight"]);
         let radiance = match reader.texture("radiance", ColourUse::Emission) {
             Some(ColourSource::Constant(colour)) => Some(colour.into()),
-            Some(ColourSource::Texture(texture)) => self.texture(texture, false),
+            Some(ColourSource::Texture(texture)) => self.texture(texture),
             None => Some(1.0.into()),
         };
         reader.finish();
@@ -101,7 +101,7 @@ impl Loader<'_> {
         let cutoff = reader.float("cutoff_angle", 20.0);
         let beam = reader.float("beam_width", cutoff * 0.75);
         let texture = match reader.texture("texture", ColourUse::Reflectance) {
-            Some(ColourSource::Texture(texture)) => self.texture(texture, false),
+            Some(ColourSource::Texture(texture)) => self.texture(texture),
             Some(ColourSource::Constant(colour)) => Some(colour.into()),
             None => None,
         };

@@ -19,7 +19,7 @@ pub(super) struct Loader<'t> {
     pub(super) problems: &'t Diagnostics,
     pub(super) builder: SceneBuilder,
     pub(super) bsdfs: HashMap<ElementId, BsdfId>,
-    pub(super) textures: HashMap<(ElementId, bool), Option<Texture>>,
+    pub(super) textures: HashMap<ElementId, Option<Texture>>,
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
     /// The material of shapes that name none.
     pub(super) default_bsdf: Option<BsdfId>,

@@ -14,15 +14,13 @@ const KNOWN: [&str; 2] = ["bitmap", "checkerboard"];
 
 impl Loader<'_> {
     /// Builds a texture, or finds the one that was built before; `None` after noting why not.
-    ///
-    /// - `raw`: the texture holds numbers, not colours.
-    pub(super) fn texture(&mut self, id: ElementId, raw: bool) -> Option<Texture> {
-        if let Some(built) = self.textures.get(&(id, raw)) {
+    pub(super) fn texture(&mut self, id: ElementId) -> Option<Texture> {
+        if let Some(built) = self.textures.get(&id) {
             return built.clone();
         }
         let mut reader = self.reader(id);
         let built = match reader.plugin() {
-            "bitmap" | "ldrtexture" | "exrtexture" => self.bitmap(&mut reader, raw),
+            "bitmap" | "ldrtexture" | "exrtexture" => self.bitmap(&mut reader),
             "checkerboard" => Some(self.checkerboard(&mut reader)),
             _ => {
                 self.unknown_plugin(id, KNOWN, "a grey of 0.5 is used instead");
@@ -30,11 +28,11 @@ impl Loader<'_> {
             }
         };
         reader.finish();
-        self.textures.insert((id, raw), built.clone());
+        self.textures.insert(id, built.clone());
         built
     }
 
-    fn bitmap(&self, reader: &mut ElementReader<'_>, raw: bool) -> Option<Texture> {
+    fn bitmap(&self, reader: &mut ElementReader<'_>) -> Option<Texture> {
         let file = reader.file("filename");
         let to_uv = self.to_uv(reader);
         let wraps = [
@@ -55,13 +53,13 @@ impl Loader<'_> {
             ("ewa", Filter::Bilinear),
         ];
         let filter = reader.choice("filter_type", &filters, Filter::Bilinear);
-        let declared_raw = reader.boolean("raw", false);
+        let raw = reader.boolean("raw", false);
         let gamma = reader.optional_float("gamma");
         reader.ignore(&["max_anisotropy", "cache", "format"]);
         let location = reader.element().location.clone();
         let bitmap = self.read_bitmap(&file?, &location)?;
         let bitmap = match gamma {
-            _ if raw || declared_raw => bitmap.with_transfer(Transfer::Linear),
+            _ if raw => bitmap.with_transfer(Transfer::Linear),
             Some(gamma) if gamma > 0.0 => bitmap.with_transfer(Transfer::Gamma(gamma)),
             _ => bitmap,
         };
