@@ -228,12 +228,10 @@ fn scenes_of_ours_are_sound() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut count = 0;
     for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "xml") {
-            let done = Place::new().succeed(&["info", "--strict", path.to_str().unwrap()]);
-            assert!(done.stdout.contains("triangles"), "{}", done.stdout);
-            count += 1;
-        }
+        let path = entry.unwrap().path().join("scene.xml");
+        let done = Place::new().succeed(&["info", "--strict", path.to_str().unwrap()]);
+        assert!(done.stdout.contains("triangles"), "{}", done.stdout);
+        count += 1;
     }
-    assert!(count >= 2);
+    assert!(count >= 4);
 }
