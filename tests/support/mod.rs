@@ -6,3 +6,4 @@ pub(crate) mod faulty;
 pub(crate) mod materials;
 pub(crate) mod render;
 pub(crate) mod scenes;
+pub(crate) mod source_code;
