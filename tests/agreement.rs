@@ -10,6 +10,7 @@ use lumiflow::scene::{Scene, SceneBuilder};
 use lumiflow::shape::TriangleMesh;
 use lumiflow::shape::mesh::MeshData;
 
+use crate::support::effort::{self, level, samples};
 use crate::support::render::{Replicas, mean, picture, settings, tiles};
 use crate::support::scenes::{camera, hollow_sphere, part, scene, studio, studio_camera};
 
@@ -20,12 +21,12 @@ const LEVEL: f64 = 1e-3;
 
 fn replicas(scene: &Scene, text: &str, sampler: SamplerKind, seed: u64) -> Replicas {
     let sensor = studio_camera(SIDE);
-    Replicas::new(seed, REPLICAS, |seed| {
+    Replicas::new(effort::seed(seed), REPLICAS, |seed| {
         let settings = PixelSettings {
             sampler,
             ..settings(seed, SIDE)
         };
-        tiles(&picture(scene, &sensor, text, settings, 16), 8)
+        tiles(&picture(scene, &sensor, text, settings, samples(16)), 8)
     })
 }
 
@@ -39,7 +40,7 @@ fn check(scene: &Scene, text: &str, sampler: SamplerKind) -> Result<(), String> 
     );
     let other = replicas(scene, text, sampler, 1001);
     plain
-        .check_same(&other, LEVEL)
+        .check_same(&other, level(LEVEL))
         .map_err(|error| format!("{text}, {sampler:?}: {error}"))
 }
 

@@ -10,6 +10,7 @@ use lumiflow::math::{Mat4, Rgb, Vec3};
 use lumiflow::scene::{Scene, SceneBuilder};
 use lumiflow::sensor::Sensor;
 
+use crate::support::effort::{level, samples, seed};
 use crate::support::render::{Replicas, mean, picture, settings, tiles};
 use crate::support::scenes::{
     Part, camera, cornell, cornell_camera, cuboid, hollow_sphere, part, rectangle, scene, sphere,
@@ -32,7 +33,8 @@ const VARIANTS: [&str; 6] = [
 ];
 
 fn replicas(scene: &Scene, sensor: &Sensor, text: &str, passes: u32) -> Replicas {
-    Replicas::new(100, REPLICAS, |seed| {
+    let passes = samples(passes);
+    Replicas::new(seed(100), REPLICAS, |seed| {
         tiles(
             &picture(scene, sensor, text, settings(seed, SIDE), passes),
             8,
@@ -44,7 +46,7 @@ fn replicas(scene: &Scene, sensor: &Sensor, text: &str, passes: u32) -> Replicas
 fn check(scene: &Scene, sensor: &Sensor, text: &str, radiance: f64) -> Result<(), String> {
     let found = replicas(scene, sensor, text, 4);
     found
-        .check(&[radiance; 4], LEVEL)
+        .check(&[radiance; 4], level(LEVEL))
         .map_err(|error| format!("{text}: {error}"))
 }
 
@@ -266,10 +268,10 @@ fn direct_light_is_a_path_of_two_edges() -> Result<(), String> {
         "direct emitter_samples=0 bsdf_samples=8",
     ] {
         let direct = replicas(&scene, &sensor, text, 16);
-        path.check_same(&direct, LEVEL)
+        path.check_same(&direct, level(LEVEL))
             .map_err(|error| format!("{text}: {error}"))?;
     }
     let longer = replicas(&scene, &sensor, "path max_depth=3", 16);
-    assert!(path.check_same(&longer, LEVEL).is_err());
+    assert!(path.check_same(&longer, level(LEVEL)).is_err());
     Ok(())
 }
