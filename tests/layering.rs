@@ -10,7 +10,7 @@ const LONGEST_FILE: usize = 400;
 const LONGEST_FUNCTION: usize = 60;
 
 /// What may be longer, and why: file, or `file::function`.
-const MAY_BE_LONGER: [(&str, &str); 8] = [
+const MAY_BE_LONGER: [(&str, &str); 7] = [
     (
         "ffi/embree4-sys/tests/referee.rs::hits_agree_with_brute_force",
         "one comparison, case by case",
@@ -18,10 +18,6 @@ const MAY_BE_LONGER: [(&str, &str); 8] = [
     (
         "src/bsdf/microfacet.rs",
         "both distributions share their geometry",
-    ),
-    (
-        "src/integrator/path.rs::estimate",
-        "the loop of the path tracer, in the order of a path",
     ),
     (
         "src/scene/import/mesh/serialized.rs::parse",
