@@ -6,6 +6,7 @@ mod cli;
 mod determinism;
 mod furnace;
 mod golden;
+mod hidden_emitters;
 mod import;
 mod layering;
 mod mitsuba_materials;

@@ -37,7 +37,7 @@ impl BsdfModel for Diffuse {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(
         &self,
         wi: Local,
