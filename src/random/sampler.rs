@@ -159,7 +159,7 @@ fn permuted(index: u32, scramble: u32, dimension: u32) -> u32 {
     for _ in 0..3 {
         bits = bits.wrapping_mul(0x2C1B_3C6D);
         bits ^= bits >> 15;
-        x = x.wrapping_mul(bits >> 8 | 1).wrapping_add(bits >> 20) & MASK;
+        x = x.wrapping_mul((bits >> 8) | 1).wrapping_add(bits >> 20) & MASK;
         x ^= x >> 2;
     }
     x

@@ -143,7 +143,7 @@ mod tests {
     /// A unit cube of 12 triangles and 8 shared vertices.
     fn cube() -> MeshData {
         let positions = (0..8_u8)
-            .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f32::from))
+            .map(|i| [i & 1, (i >> 1) & 1, i >> 2].map(f32::from))
             .collect();
         let quads = [
             [0, 2, 3, 1],

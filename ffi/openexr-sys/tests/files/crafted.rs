@@ -61,8 +61,8 @@ impl<'a> Crafted<'a> {
     }
 
     fn header(&self) -> Vec<u8> {
-        let flags =
-            u32::from(self.is_deep) << 11 | u32::from(self.tile.is_some() && !self.is_deep) << 9;
+        let flags = (u32::from(self.is_deep) << 11)
+            | (u32::from(self.tile.is_some() && !self.is_deep) << 9);
         let mut file = vec![0x76, 0x2f, 0x31, 0x01];
         file.extend((2 | flags).to_le_bytes());
         let mut attribute = |name: &str, kind: &str, value: &[u8]| {

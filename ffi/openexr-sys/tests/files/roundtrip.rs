@@ -215,7 +215,10 @@ with OpenEXR.File(sys.argv[1], separate_channels=True) as file:
                     Precision::Float => "float32",
                 };
                 let bytes = channel.samples.iter().flat_map(|value| value.to_le_bytes());
-                let hex: String = bytes.map(|byte| format!("{byte:02x}")).collect();
+                let hex = bytes
+                    .map(|byte| format!("{byte:02x}"))
+                    .collect::<Vec<_>>()
+                    .concat();
                 format!("{} {kind} {hex}", channel.name)
             })
             .collect();

@@ -187,7 +187,7 @@ impl Table {
             let offset = entry
                 .iter()
                 .rev()
-                .fold(0_u64, |value, &b| value << 8 | u64::from(b));
+                .fold(0_u64, |value, &b| (value << 8) | u64::from(b));
             usize::try_from(offset)
                 .ok()
                 .filter(|&offset| offset < start)

@@ -120,7 +120,7 @@ impl<'a> Inflated<'a> {
                 *corner = bytes
                     .iter()
                     .rev()
-                    .fold(0, |value, &b| value << 8 | u32::from(b));
+                    .fold(0, |value, &b| (value << 8) | u32::from(b));
             }
             triangles.push(corners);
             match corners
