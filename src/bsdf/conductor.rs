@@ -35,6 +35,7 @@ impl Conductor {
             probability: 1.0,
             lobe: Lobe::Specular,
             eta: 1.0,
+            cosine_ratio: 1.0,
         })
     }
 }

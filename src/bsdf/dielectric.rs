@@ -80,6 +80,7 @@ impl Dielectric {
             probability,
             lobe: Lobe::Specular,
             eta,
+            cosine_ratio: direction.abs_cos() / wi.abs_cos(),
         })
     }
 

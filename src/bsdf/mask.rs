@@ -61,6 +61,7 @@ impl Opacity {
             probability: 1.0 - self.choice,
             lobe: Lobe::Null,
             eta: 1.0,
+            cosine_ratio: 1.0,
         })
     }
 }

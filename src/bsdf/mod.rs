@@ -168,9 +168,19 @@ pub struct DiracEvent {
     pub lobe: Lobe,
     /// As [`BsdfSample::eta`].
     pub eta: f32,
+    /// `|cos θ_o| / |cos θ_i|` to the normal that the lobe is written around; 1 unless refracted.
+    pub cosine_ratio: f32,
 }
 
 impl DiracEvent {
+    /// Solid angle around `wi` for each solid angle around [`DiracEvent::direction`].
+    ///
+    /// Refraction keeps `n² |cos θ| dω`; everything else keeps `dω`.
+    #[inline]
+    pub fn inverse_stretch(&self) -> f32 {
+        self.cosine_ratio / (self.eta * self.eta)
+    }
+
     /// The sample that selected this event; `None` when it has no chance to be selected.
     #[inline]
     fn sampled(self, component: Component) -> Option<BsdfSample> {

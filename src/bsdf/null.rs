@@ -18,6 +18,7 @@ impl Null {
             probability: 1.0,
             lobe: Lobe::Null,
             eta: 1.0,
+            cosine_ratio: 1.0,
         }
     }
 }

@@ -57,6 +57,7 @@ impl Plastic {
             probability: choice,
             lobe: Lobe::Specular,
             eta: 1.0,
+            cosine_ratio: 1.0,
         }
     }
 

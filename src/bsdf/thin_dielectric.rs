@@ -74,6 +74,7 @@ impl ThinDielectric {
             probability,
             lobe: Lobe::Specular,
             eta: 1.0,
+            cosine_ratio: 1.0,
         })
     }
 }

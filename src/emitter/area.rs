@@ -121,6 +121,7 @@ impl EmitterModel for Area {
             radiance,
             density,
             is_dirac: false,
+            surface: Some(point),
         })
     }
 

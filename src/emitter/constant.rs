@@ -64,6 +64,7 @@ impl EmitterModel for Constant {
             radiance: self.radiance,
             density: SolidAngleDensity(warp::UNIFORM_SPHERE_DENSITY),
             is_dirac: false,
+            surface: None,
         })
     }
 

@@ -66,6 +66,7 @@ impl EmitterModel for Directional {
             radiance: self.irradiance,
             density: SolidAngleDensity(1.0),
             is_dirac: true,
+            surface: None,
         })
     }
 }

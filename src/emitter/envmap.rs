@@ -125,6 +125,7 @@ impl EmitterModel for Envmap {
             radiance,
             density: self.map.density(&place),
             is_dirac: false,
+            surface: None,
         })
     }
 

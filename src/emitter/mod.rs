@@ -99,6 +99,8 @@ pub struct EmitterSample {
     pub density: SolidAngleDensity,
     /// True when the direction has no density, so that no other technique can make it.
     pub is_dirac: bool,
+    /// The point of the surface that glows; `None` for emitters that are no surfaces.
+    pub surface: Option<SurfacePoint>,
 }
 
 /// What a light can answer.
@@ -126,6 +128,12 @@ pub trait EmitterModel {
     /// Radiance that leaves the point of an area light in a direction away from it; zero behind.
     fn radiance(&self, at: &SurfacePoint, direction: Vec3) -> Rgb {
         let _ = (at, direction);
+        Rgb::BLACK
+    }
+
+    /// Radiant intensity (W·sr⁻¹) of a light at a point in a unit direction away from it.
+    fn intensity(&self, direction: Vec3) -> Rgb {
+        let _ = direction;
         Rgb::BLACK
     }
 
@@ -193,6 +201,10 @@ macro_rules! emitter_models {
             #[inline]
             fn radiance(&self, at: &SurfacePoint, direction: Vec3) -> Rgb {
                 match self { $(Self::$model(e) => e.radiance(at, direction),)* }
+            }
+            #[inline]
+            fn intensity(&self, direction: Vec3) -> Rgb {
+                match self { $(Self::$model(e) => e.intensity(direction),)* }
             }
             #[inline]
             fn environment_radiance(&self, toward: Vec3) -> Rgb {

@@ -47,6 +47,11 @@ impl EmitterModel for Point {
     }
 
     #[inline]
+    fn intensity(&self, _direction: Vec3) -> Rgb {
+        self.intensity
+    }
+
+    #[inline]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let distance_squared = edge.length_squared();
@@ -57,6 +62,7 @@ impl EmitterModel for Point {
             radiance: self.intensity / distance_squared,
             density: SolidAngleDensity(1.0),
             is_dirac: true,
+            surface: None,
         })
     }
 }

@@ -110,7 +110,7 @@ impl Spot {
 
     /// Intensity in a unit direction away from the lamp.
     #[inline]
-    fn intensity(&self, direction: Vec3) -> Rgb {
+    fn intensity_along(&self, direction: Vec3) -> Rgb {
         let local = self.axes.transpose() * direction;
         let angle = local.truncate().length().atan2(local.z);
         if angle >= self.beam.cutoff {
@@ -137,7 +137,7 @@ impl Spot {
             for j in 0..TURNS {
                 let (y, x) = ((j as f32 + 0.5) / TURNS as f32 * TAU).sin_cos();
                 let direction = self.axes * Vec3::new(sin * x, sin * y, cos);
-                power += f64::from(self.intensity(direction).luminance() * sin);
+                power += f64::from(self.intensity_along(direction).luminance() * sin);
             }
         }
         power * f64::from(step * TAU) / f64::from(TURNS)
@@ -193,10 +193,15 @@ impl EmitterModel for Spot {
     }
 
     #[inline]
+    fn intensity(&self, direction: Vec3) -> Rgb {
+        self.intensity_along(direction)
+    }
+
+    #[inline]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let direction = edge.try_normalize()?;
-        let intensity = self.intensity(-direction);
+        let intensity = self.intensity_along(-direction);
         if intensity.is_black() {
             return None;
         }
@@ -206,6 +211,7 @@ impl EmitterModel for Spot {
             radiance: intensity / edge.length_squared(),
             density: SolidAngleDensity(1.0),
             is_dirac: true,
+            surface: None,
         })
     }
 }

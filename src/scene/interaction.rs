@@ -17,6 +17,8 @@ pub struct Interaction<'s> {
     pub bsdf: &'s Bsdf,
     /// Its lobes.
     pub lobes: LobeSet,
+    /// Index of the object among [`Scene::objects`](super::Scene::objects).
+    pub object: u32,
     /// The light there.
     pub emitter: Option<EmitterId>,
     /// World-space unit direction back to where the ray came from.
@@ -46,6 +48,7 @@ impl<'s> Interaction<'s> {
             frame,
             bsdf,
             lobes: object.lobes,
+            object: hit.geometry,
             emitter: object.emitter,
             back,
             wi,
