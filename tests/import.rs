@@ -296,6 +296,42 @@ fn cameras_and_films_that_see_nothing_are_refused() {
 }
 
 #[test]
+fn lenses_are_read_in_both_spellings() {
+    for (lens, expected) in [
+        (
+            "<float name='apertureRadius' value='0.1'/>\n\
+             <float name='focusDistance' value='3'/>",
+            "",
+        ),
+        (
+            "<float name='aperture_radius' value='0.1'/>\n<float name='fov' value='30'/>",
+            "",
+        ),
+        (
+            "",
+            "scene.xml:1:24: sensor \"thinlens\" needs the property \"aperture_radius\"",
+        ),
+        (
+            "\n<float name='aperture_radius' value='0'/>",
+            "scene.xml:2:1: warning: a lens of radius 0 is a pinhole",
+        ),
+        (
+            "\n<float name='aperture_radius' value='-1'/>",
+            "scene.xml:1:24: the radius of the aperture is -1, expected more than 0",
+        ),
+        (
+            "\n<float name='aperture_radius' value='1'/>\n\
+             <float name='focus_distance' value='0'/>",
+            "scene.xml:1:24: the distance of focus is 0, expected more than 0",
+        ),
+    ] {
+        let scene =
+            format!("<scene version='3.0.0'><sensor type='thinlens'>{lens}</sensor></scene>");
+        check(&scene, &[], expected);
+    }
+}
+
+#[test]
 fn everything_unknown_is_named() {
     let scene = "<scene version='3.0.0'>
 <sensor type='perspektive'><sampler type='sobl'/>

@@ -1,8 +1,12 @@
 //! Sensors: which rays a pixel looks along.
 
+mod error;
 mod perspective;
+mod thin_lens;
 
-pub use perspective::{FieldOfViewAxis, Perspective, PerspectiveSettings, SensorError};
+pub use error::SensorError;
+pub use perspective::{FieldOfViewAxis, Perspective, PerspectiveSettings};
+pub use thin_lens::ThinLens;
 
 use crate::accel::Ray;
 use crate::math::{Vec2, Vec3};
@@ -32,23 +36,54 @@ impl CameraRay {
 ///
 /// Raster coordinates count pixels of the *full* film, `x` to the right and `y` down, whatever part
 /// of it is rendered; they may lie outside of the film.
+///
+/// A ray leaves the sensor from a point of its lens, which is given by its world-space position
+/// `origin`. A pinhole is a lens of one point: it takes any `origin` for that point.
 pub trait SensorModel {
     /// The ray of a raster position.
     ///
     /// - `u_lens`: uniform in the unit square; chooses the point on the lens, where there is one.
-    fn sample_ray(&self, raster: Vec2, u_lens: Vec2) -> CameraRay;
+    #[inline]
+    fn sample_ray(&self, raster: Vec2, u_lens: Vec2) -> CameraRay {
+        self.camera_ray(raster, self.sample_lens(u_lens))
+    }
 
-    /// Raster position at which a point of space is seen from the middle of the lens; `None` behind
-    /// the sensor.
-    fn project(&self, point: Vec3) -> Option<Vec2>;
+    /// The ray of a raster position through a given point of the lens.
+    fn camera_ray(&self, raster: Vec2, origin: Vec3) -> CameraRay;
 
-    /// Number of pixels for each steradian around a unit direction: the density of directions when
-    /// the raster position is uniform with density one. Zero behind the sensor.
+    /// Raster position that looks along `direction` from the point `origin` of the lens; `None`
+    /// behind the sensor. It undoes [`SensorModel::camera_ray`].
     ///
-    /// It is `1 / (A cos³ θ)` with `A` the area of a pixel on the plane at distance one.
+    /// - `direction`: unit, away from the sensor.
+    fn raster_at(&self, origin: Vec3, direction: Vec3) -> Option<Vec2>;
+
+    /// Number of pixels for each steradian around a unit direction: the density of directions at
+    /// one point of the lens when the raster position is uniform with density one. Zero behind the
+    /// sensor.
+    ///
+    /// It is `1 / (A cos³ θ)` with `A` the area of a pixel on the plane at distance one, from any
+    /// point of the lens; see `docs/math.md`, "Sensors".
     ///
     /// Source: van Antwerpen 2011, Eqs. 3.14 to 3.16.
     fn pixels_per_steradian(&self, direction: Vec3) -> f32;
+
+    /// Nearest and farthest distance that are seen along a unit direction, in m, as
+    /// [`CameraRay::near`] and [`CameraRay::far`]. Behind the sensor the nearest is infinite.
+    fn clip(&self, direction: Vec3) -> (f32, f32);
+
+    /// Whether rays leave from more than one point.
+    fn has_lens(&self) -> bool;
+
+    /// World-space point of the lens, uniform by area.
+    ///
+    /// - `u`: uniform in the unit square.
+    fn sample_lens(&self, u: Vec2) -> Vec3;
+
+    /// World-space point of the lens at coordinates in units of its radius, in the unit disk.
+    fn lens_point(&self, coordinates: Vec2) -> Vec3;
+
+    /// Undoes [`SensorModel::lens_point`]; zero for a pinhole.
+    fn lens_coordinates(&self, origin: Vec3) -> Vec2;
 }
 
 /// Writes the enum of all sensors and forwards [`SensorModel`] to its variants.
@@ -72,12 +107,36 @@ macro_rules! sensor_models {
                 match self { $(Self::$model(s) => s.sample_ray(raster, u_lens),)* }
             }
             #[inline]
-            fn project(&self, point: Vec3) -> Option<Vec2> {
-                match self { $(Self::$model(s) => s.project(point),)* }
+            fn camera_ray(&self, raster: Vec2, origin: Vec3) -> CameraRay {
+                match self { $(Self::$model(s) => s.camera_ray(raster, origin),)* }
+            }
+            #[inline]
+            fn raster_at(&self, origin: Vec3, direction: Vec3) -> Option<Vec2> {
+                match self { $(Self::$model(s) => s.raster_at(origin, direction),)* }
             }
             #[inline]
             fn pixels_per_steradian(&self, direction: Vec3) -> f32 {
                 match self { $(Self::$model(s) => s.pixels_per_steradian(direction),)* }
+            }
+            #[inline]
+            fn clip(&self, direction: Vec3) -> (f32, f32) {
+                match self { $(Self::$model(s) => s.clip(direction),)* }
+            }
+            #[inline]
+            fn has_lens(&self) -> bool {
+                match self { $(Self::$model(s) => s.has_lens(),)* }
+            }
+            #[inline]
+            fn sample_lens(&self, u: Vec2) -> Vec3 {
+                match self { $(Self::$model(s) => s.sample_lens(u),)* }
+            }
+            #[inline]
+            fn lens_point(&self, coordinates: Vec2) -> Vec3 {
+                match self { $(Self::$model(s) => s.lens_point(coordinates),)* }
+            }
+            #[inline]
+            fn lens_coordinates(&self, origin: Vec3) -> Vec2 {
+                match self { $(Self::$model(s) => s.lens_coordinates(origin),)* }
             }
         }
     };
@@ -86,4 +145,6 @@ macro_rules! sensor_models {
 sensor_models! {
     /// A pinhole camera.
     Perspective,
+    /// A camera with a lens, which has one distance in focus.
+    ThinLens,
 }

@@ -1,6 +1,6 @@
 //! A pinhole camera.
 
-use super::{CameraRay, SensorModel};
+use super::{CameraRay, SensorError, SensorModel};
 use crate::math::{Mat3, Mat4, Vec2, Vec3};
 
 /// Which extent of the film the field of view spans.
@@ -17,31 +17,6 @@ pub enum FieldOfViewAxis {
     Smaller,
     /// The larger of width and height.
     Larger,
-}
-
-/// Why numbers describe no camera.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SensorError {
-    /// The field of view is not an angle that a plane can span.
-    #[error("the field of view is {0} degrees, expected more than 0 and less than 180")]
-    FieldOfView(f32),
-    /// The clip planes are in the wrong order.
-    #[error("the clip planes are at {near} and {far}, expected 0 or more and growing")]
-    ClipPlanes {
-        /// Distance of the near one.
-        near: f32,
-        /// Distance of the far one.
-        far: f32,
-    },
-    /// The transform bends right angles.
-    #[error(
-        "the transform shears the camera; only rotations, translations and scales are possible"
-    )]
-    Shear,
-    /// The film has no pixels.
-    #[error("the film has no pixels")]
-    NoPixels,
 }
 
 /// What makes up a [`Perspective`].
@@ -145,23 +120,61 @@ fn half_extent(degrees: f32, axis: FieldOfViewAxis, film: Vec2) -> Vec2 {
     film * (half / spanned)
 }
 
-impl SensorModel for Perspective {
+impl Perspective {
+    /// World-space position of the pinhole.
     #[inline]
-    fn sample_ray(&self, raster: Vec2, _u_lens: Vec2) -> CameraRay {
-        let on_plane = (self.centre - raster) * self.pixel;
+    pub(super) fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Where a raster position lies on the plane at distance one, in the camera's axes.
+    #[inline]
+    pub(super) fn on_plane(&self, raster: Vec2) -> Vec2 {
+        (self.centre - raster) * self.pixel
+    }
+
+    /// Undoes [`Perspective::on_plane`].
+    #[inline]
+    pub(super) fn raster(&self, on_plane: Vec2) -> Vec2 {
+        self.centre - on_plane / self.pixel
+    }
+
+    /// Writes a world-space direction or offset in the camera's axes.
+    #[inline]
+    pub(super) fn to_local(&self, world: Vec3) -> Vec3 {
+        self.rotation.transpose() * world
+    }
+
+    /// The point of the lens plane, which holds the pinhole, at coordinates in m.
+    #[inline]
+    pub(super) fn beside(&self, offset: Vec2) -> Vec3 {
+        self.origin + self.rotation * offset.extend(0.0)
+    }
+
+    /// The ray from a point of the lens plane with the slope `on_plane` to the optical axis.
+    #[inline]
+    pub(super) fn ray(&self, origin: Vec3, on_plane: Vec2) -> CameraRay {
         let local = on_plane.extend(1.0);
         let length = local.length();
         CameraRay {
-            origin: self.origin,
+            origin,
             direction: self.rotation * (local / length),
             near: self.near * length,
             far: self.far * length,
         }
     }
+}
 
-    fn project(&self, point: Vec3) -> Option<Vec2> {
-        let local = self.rotation.transpose() * (point - self.origin);
-        (local.z > 0.0).then(|| self.centre - local.truncate() / (local.z * self.pixel))
+impl SensorModel for Perspective {
+    #[inline]
+    fn camera_ray(&self, raster: Vec2, _origin: Vec3) -> CameraRay {
+        self.ray(self.origin, self.on_plane(raster))
+    }
+
+    #[inline]
+    fn raster_at(&self, _origin: Vec3, direction: Vec3) -> Option<Vec2> {
+        let local = self.to_local(direction);
+        (local.z > 0.0).then(|| self.raster(local.truncate() / local.z))
     }
 
     #[inline]
@@ -172,6 +185,36 @@ impl SensorModel for Perspective {
         } else {
             0.0
         }
+    }
+
+    #[inline]
+    fn clip(&self, direction: Vec3) -> (f32, f32) {
+        let cos = self.rotation.z_axis.dot(direction);
+        if cos > 0.0 {
+            (self.near / cos, self.far / cos)
+        } else {
+            (f32::INFINITY, 0.0)
+        }
+    }
+
+    #[inline]
+    fn has_lens(&self) -> bool {
+        false
+    }
+
+    #[inline]
+    fn sample_lens(&self, _u: Vec2) -> Vec3 {
+        self.origin
+    }
+
+    #[inline]
+    fn lens_point(&self, _coordinates: Vec2) -> Vec3 {
+        self.origin
+    }
+
+    #[inline]
+    fn lens_coordinates(&self, _origin: Vec3) -> Vec2 {
+        Vec2::ZERO
     }
 }
 
@@ -245,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn projection_undoes_the_ray_and_density_is_its_jacobian() {
+    fn rasters_undo_rays_and_density_is_the_jacobian() {
         let turn = Mat4::from_rotation_y(0.7) * Mat4::from_rotation_x(-0.3);
         let to_world = Mat4::from_translation(Vec3::new(3.0, -1.0, 2.0)) * turn;
         let camera = Perspective::new(PerspectiveSettings {
@@ -260,7 +303,7 @@ mod tests {
         ] {
             let at = |offset| camera.sample_ray(raster + offset, Vec2::ZERO);
             let ray = at(Vec2::ZERO);
-            let seen = camera.project(ray.origin + ray.direction * 7.0).unwrap();
+            let seen = camera.raster_at(ray.origin, ray.direction).unwrap();
             assert!((seen - raster).length() < 1e-3, "{seen} is not {raster}");
             let step = 0.5;
             let along_x = at(Vec2::X * step).direction - at(-Vec2::X * step).direction;
@@ -272,8 +315,12 @@ mod tests {
                 "{}",
                 density * solid_angle
             );
-            assert_eq!(camera.project(ray.origin - ray.direction), None);
+            assert_eq!(camera.raster_at(ray.origin, -ray.direction), None);
             assert_eq!(camera.pixels_per_steradian(-ray.direction), 0.0);
+            let (near, far) = camera.clip(ray.direction);
+            assert!((near / ray.near - 1.0).abs() < 1e-5 && (far / ray.far - 1.0).abs() < 1e-5);
+            let (near, far) = camera.clip(-ray.direction);
+            assert!(near > far);
         }
     }
 

@@ -6,7 +6,9 @@ use super::xml::{ElementId, ElementKind, ElementReader, NumberOrName};
 use crate::film::{Filter, FilterKind, Window};
 use crate::math::Vec2;
 use crate::random::SamplerKind;
-use crate::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings};
+use crate::sensor::{
+    FieldOfViewAxis, Perspective, PerspectiveSettings, Sensor, SensorError, ThinLens,
+};
 
 /// What a film element says.
 struct Film {
@@ -29,15 +31,9 @@ impl Loader<'_> {
     /// - `film_size`: replaces the file's width and height.
     pub(super) fn view(&self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<View> {
         let mut reader = self.reader(id);
-        match reader.plugin() {
-            "perspective" => {}
-            "thinlens" => {
-                self.unknown_plugin(id, ["perspective"], "a pinhole is used instead");
-                reader.ignore(&["aperture_radius", "focus_distance"]);
-            }
-            _ => {
-                self.unknown_plugin(id, ["perspective"], "a perspective sensor is used instead");
-            }
+        if !matches!(reader.plugin(), "perspective" | "thinlens") {
+            let known = ["perspective", "thinlens"];
+            self.unknown_plugin(id, known, "a perspective sensor is used instead");
         }
         let film = match reader.child(ElementKind::Film) {
             Some(film) => self.film(film, film_size),
@@ -48,12 +44,12 @@ impl Loader<'_> {
             None => (SamplerKind::Independent, 4),
         };
         self.warn_of_media(&mut reader);
-        let settings = self.perspective(&mut reader, film.as_ref());
+        let sensor = self.sensor(&mut reader, film.as_ref());
         reader.finish();
         let film = film?;
-        match Perspective::new(settings) {
+        match sensor {
             Ok(sensor) => Some(View {
-                sensor: sensor.into(),
+                sensor,
                 film_size: film.size,
                 window: film.window,
                 filter: film.filter,
@@ -274,6 +270,28 @@ impl Loader<'_> {
         (kind, count.clamp(1, i64::from(u32::MAX)) as u32)
     }
 
+    fn sensor(
+        &self,
+        reader: &mut ElementReader<'_>,
+        film: Option<&Film>,
+    ) -> Result<Sensor, SensorError> {
+        let settings = self.perspective(reader, film);
+        if reader.plugin() != "thinlens" {
+            // A pinhole has everything in focus.
+            reader.ignore(&["focus_distance"]);
+            return Ok(Perspective::new(settings)?.into());
+        }
+        let focus_distance = reader.float("focus_distance", settings.far);
+        match reader.required_float("aperture_radius") {
+            None => Ok(Perspective::new(settings)?.into()),
+            Some(0.0) => {
+                reader.warning("aperture_radius", "a lens of radius 0 is a pinhole");
+                Ok(Perspective::new(settings)?.into())
+            }
+            Some(radius) => Ok(ThinLens::new(settings, radius, focus_distance)?.into()),
+        }
+    }
+
     fn perspective(
         &self,
         reader: &mut ElementReader<'_>,
@@ -301,8 +319,8 @@ impl Loader<'_> {
         };
         let offset_x = reader.float("principal_point_offset_x", 0.0);
         let offset_y = reader.float("principal_point_offset_y", 0.0);
-        // A pinhole has everything in focus, and no shutter.
-        reader.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
+        // Nothing moves.
+        reader.ignore(&["shutter_open", "shutter_close"]);
         PerspectiveSettings {
             to_world: reader.transform("to_world").matrix(),
             field_of_view,

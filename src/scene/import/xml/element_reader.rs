@@ -96,6 +96,12 @@ impl<'a> ElementReader<'a> {
         })
     }
 
+    /// A number; its absence is an error.
+    pub fn required_float(&mut self, name: &str) -> Option<f32> {
+        self.note_absence(name);
+        self.optional_float(name)
+    }
+
     /// A number or a name that stands for one, if there is either.
     pub fn number_or_name(&mut self, name: &str) -> Option<NumberOrName<'a>> {
         self.value(name, "a float or a string", |value| match value {
