@@ -1,5 +1,21 @@
-//! Path space: what paths are made of, and how techniques that make them are weighed.
+//! Path space: what paths are made of, what they are worth, and how techniques that make them are
+//! weighed.
+//!
+//! The state of a Markov chain is the positions of a path's vertices *and* the event at each. A
+//! vertex's value is written as seen from the eye's side, in solid angle; the product of the values is
+//! then the measurement contribution in the coordinates in which the path tracer generates paths.
+//! Other coordinates bring scalar factors, which are written where they are used.
 
 mod mis;
+mod path;
+mod space;
+mod tracer;
+mod vertex;
 
 pub use mis::Heuristic;
+pub use path::{CAPACITY, Path, Signature};
+pub use space::{Followed, PathRules, PathSpace};
+pub use tracer::{Found, PathTracing, camera_sample};
+pub use vertex::{Event, PathVertex, VertexKind};
+
+pub(crate) use path::luminance;

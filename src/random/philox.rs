@@ -1,5 +1,7 @@
 //! The counter-based generator Philox4x32-10.
 
+use crate::math::Vec2;
+
 /// What a stream of random numbers is for: streams of two purposes never share a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
@@ -12,6 +14,10 @@ pub enum Purpose {
     Scramble = 3,
     /// Tests and checks.
     Check = 4,
+    /// The estimate of the energy that chains deposit at each step.
+    DepositionEnergy = 5,
+    /// Markov chains.
+    Chain = 6,
 }
 
 /// A stream of uniform numbers at one address.
@@ -66,6 +72,13 @@ impl Stream {
     #[inline]
     pub fn next_f32(&mut self) -> f32 {
         unit_f32(self.next_u32())
+    }
+
+    /// The next two numbers, uniform in the unit square.
+    #[inline]
+    pub fn next_vec2(&mut self) -> Vec2 {
+        let x = self.next_f32();
+        Vec2::new(x, self.next_f32())
     }
 }
 

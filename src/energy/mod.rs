@@ -1,0 +1,9 @@
+//! How the energy of a sample flows along Markov chains, whatever the chains walk over.
+//!
+//! The law behind every rule: given a seed of energy `e`, the energy deposited at a chain's `j`-th step
+//! is `c_j · e` in expectation, with `c_j` the same for every seed. Numbers of steps and depths never
+//! depend on a state or its energy.
+
+mod flow;
+
+pub use flow::{FlowRule, Walker, chain_count};

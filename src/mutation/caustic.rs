@@ -1,0 +1,215 @@
+//! The caustic perturbation.
+
+use super::kernel::{AngleKernel, turned};
+use super::{Mutate, Perturbation, Rejection};
+use crate::accel::Ray;
+use crate::emitter::EmitterClass;
+use crate::math::Vec3;
+use crate::path::{Event, Path, PathSpace, PathVertex, VertexKind};
+use crate::random::Stream;
+use crate::sensor::SensorModel;
+
+/// How far a caustic perturbation turns the direction at its head.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CausticKernel {
+    /// By an angle whose logarithm is uniform.
+    ///
+    /// Source: Veach & Guibas 1997, Sec. 5.3; Cline et al. 2005, Sec. 4.3.
+    Logarithmic(AngleKernel),
+    /// By an angle that is uniform up to a largest one, which moves the path by about `pixels` on the
+    /// image: `θ(pixels) · |x_0 x_1| / Σ` lengths of the edges from the head to `x_1`.
+    ///
+    /// Differs: their sum is misprinted; see `docs/errata.md`.
+    ///
+    /// Source: Lai et al. 2007, Eq. 2.
+    Pixels {
+        /// The distance on the image.
+        pixels: f32,
+        /// Angle that a pixel in the middle of the image subtends, in radians.
+        angle_of_pixel: f32,
+    },
+}
+
+/// Turns the direction in which light leaves the second finite vertex from the eye, or the light,
+/// follows the Dirac events to the first finite vertex and connects that to the lens.
+///
+/// Applies to paths `E D S* (D|L) …` whose head is a surface or a point light.
+///
+/// Source: Cline et al. 2005, Sec. 4.3.
+#[derive(Clone, Copy, Debug)]
+pub struct CausticPerturbation;
+
+/// Index of the vertex whose outgoing direction is turned.
+fn head(path: &Path) -> Option<usize> {
+    let vertices = path.vertices();
+    if vertices.get(1)?.event != Event::Finite {
+        return None;
+    }
+    let head = 2 + vertices[2..].iter().position(|v| !v.event.is_dirac())?;
+    let can_turn = match vertices[head].event {
+        Event::Finite | Event::Emission(EmitterClass::Area | EmitterClass::Point) => true,
+        _ => false,
+    };
+    can_turn.then_some(head)
+}
+
+/// Largest angle of [`CausticKernel::Pixels`] at a path.
+fn largest_angle(path: &Path, head: usize, angle: f32) -> f32 {
+    let vertices = path.vertices();
+    let length = |a: &PathVertex, b: &PathVertex| a.position().distance(b.position());
+    let chain: f32 = vertices[1..=head]
+        .windows(2)
+        .map(|pair| length(&pair[0], &pair[1]))
+        .sum();
+    (angle * length(&vertices[0], &vertices[1]) / chain).min(std::f32::consts::FRAC_PI_2)
+}
+
+impl CausticPerturbation {
+    /// True when the path's second vertex from the eye is a Dirac event: a caustic proper.
+    #[inline]
+    pub fn is_caustic(path: &Path) -> bool {
+        path.vertices().get(2).is_some_and(|v| v.event.is_dirac())
+    }
+}
+
+impl Mutate for CausticPerturbation {
+    #[inline]
+    fn last_changed(&self, path: &Path) -> Option<usize> {
+        head(path)
+    }
+
+    /// In the coordinates of the direction at the head and the point of the lens: with `h` the head and
+    /// `θ_h`, `φ_1` angles to geometric normals,
+    /// `L_e or f_s · |cos θ_h| · Π coefficients · f_s(y_1) · |cos φ_1| / d² · pixels per steradian`.
+    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+        let Some(head) = head(path) else { return 0.0 };
+        let vertices = path.vertices();
+        let edge = |from: usize, to: usize| space.edge(&vertices[from], &vertices[to]);
+        let (Some((out, _)), Some((in_1, _)), Some((seen, distance_squared))) =
+            (edge(head, head - 1), edge(1, 2), edge(0, 1))
+        else {
+            return 0.0;
+        };
+        let pixels = f64::from(space.sensor.pixels_per_steradian(seen));
+        let mut target = path.luminance() * pixels / f64::from(distance_squared);
+        target *= f64::from(vertices[1].geometric_cos(seen));
+        target *= f64::from(vertices[head].geometric_cos(out));
+        // The value at x_1 holds the cosine to the shading normal: f_s is that over the true one.
+        target /= f64::from(vertices[1].geometric_cos(in_1));
+        for vertex in &vertices[2..head] {
+            target *= f64::from(vertex.adjoint);
+        }
+        if let CausticKernel::Pixels {
+            pixels,
+            angle_of_pixel,
+        } = settings.caustic
+        {
+            target /= f64::from(largest_angle(path, head, pixels * angle_of_pixel));
+        }
+        target
+    }
+
+    fn propose(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        proposal: &mut Path,
+        random: &mut Stream,
+    ) -> Result<(), Rejection> {
+        let head = head(proposal).ok_or(Rejection::SignatureChanged)?;
+        super::lens_point::perturb(space, settings, proposal, random)?;
+        let angle = match settings.caustic {
+            CausticKernel::Logarithmic(kernel) => kernel.angle(random.next_f32()),
+            CausticKernel::Pixels {
+                pixels,
+                angle_of_pixel,
+            } => random.next_f32() * largest_angle(proposal, head, pixels * angle_of_pixel),
+        };
+        let mut ray = leave_head(space, proposal, head, (angle, random.next_f32()))?;
+        for index in (2..head).rev() {
+            ray = pass(space, proposal, index, &ray)?;
+        }
+        connect(space, proposal, &ray)?;
+        if !settings.domain.contains(proposal.raster()) {
+            return Err(Rejection::OffImage);
+        }
+        if let CausticKernel::Pixels {
+            pixels,
+            angle_of_pixel,
+        } = settings.caustic
+        {
+            if angle > largest_angle(proposal, head, pixels * angle_of_pixel) {
+                return Err(Rejection::NoWayBack);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Turns the direction at the head.
+fn leave_head(
+    space: &PathSpace<'_>,
+    proposal: &mut Path,
+    head: usize,
+    (angle, azimuth): (f32, f32),
+) -> Result<Ray, Rejection> {
+    let vertices = proposal.vertices_mut();
+    let (old, _) = space
+        .edge(&vertices[head], &vertices[head - 1])
+        .ok_or(Rejection::Dark)?;
+    let direction = turned(old, angle, azimuth);
+    let vertex = &vertices[head];
+    let value = match vertices.get(head + 1) {
+        Some(after) => {
+            let (to_light, _) = space.edge(vertex, after).ok_or(Rejection::Dark)?;
+            space.finite_value(vertex, direction, to_light)
+        }
+        None => space.emission(vertex, direction),
+    };
+    if value.is_black() {
+        return Err(Rejection::Dark);
+    }
+    vertices[head].value = value;
+    Ok(match vertices[head].kind {
+        VertexKind::Surface => space.leave(&vertices[head], direction),
+        _ => Ray::new(vertices[head].position(), direction),
+    })
+}
+
+/// Follows a Dirac event towards the eye.
+fn pass(
+    space: &PathSpace<'_>,
+    proposal: &mut Path,
+    index: usize,
+    ray: &Ray,
+) -> Result<Ray, Rejection> {
+    let met = space.meet(*ray, false).ok_or(Rejection::Missed)?;
+    let event = proposal.vertices()[index].event;
+    let mut vertex = PathVertex::surface(&met, event);
+    let followed = space
+        .follow_back(&vertex, event, met.back)
+        .ok_or(Rejection::SignatureChanged)?;
+    vertex.value = followed.value;
+    vertex.adjoint = followed.adjoint;
+    proposal.vertices_mut()[index] = vertex;
+    Ok(space.leave(&vertex, followed.direction))
+}
+
+/// Makes the first finite vertex and connects it to the lens.
+fn connect(space: &PathSpace<'_>, proposal: &mut Path, ray: &Ray) -> Result<(), Rejection> {
+    let met = space.meet(*ray, false).ok_or(Rejection::Missed)?;
+    if !met.lobes.finite {
+        return Err(Rejection::SignatureChanged);
+    }
+    let mut vertex = PathVertex::surface(&met, Event::Finite);
+    let lens = proposal.vertices()[0];
+    let (seen, _): (Vec3, f32) = space.edge(&lens, &vertex).ok_or(Rejection::Dark)?;
+    vertex.value = space.finite_value(&vertex, -seen, met.back);
+    if vertex.value.is_black() {
+        return Err(Rejection::Dark);
+    }
+    let raster = space.seen_at(&vertex, &lens);
+    proposal.set_raster(raster.ok_or(Rejection::OffImage)?);
+    proposal.vertices_mut()[1] = vertex;
+    Ok(())
+}

@@ -1,0 +1,120 @@
+//! One Markov chain of paths.
+
+use super::{Choose, Mutate, Mutation, MutationStatistics, Perturbation};
+use crate::path::{Path, PathSpace};
+use crate::random::Stream;
+
+/// A proposal that may become the current path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proposed {
+    /// The mutation that made it.
+    pub mutation: Mutation,
+    /// The probability with which it is to be accepted.
+    pub acceptance: f64,
+    /// Its target in the mutation's coordinates.
+    target: f64,
+}
+
+/// A chain of paths: the current one, a proposal, and what is known about them.
+///
+/// All memory is here: nothing is allocated while the chain runs. Between two mutations the proposal
+/// equals the current path, so that a mutation rewrites only what it changes.
+#[derive(Clone, Debug, Default)]
+pub struct Chain {
+    current: Path,
+    proposal: Path,
+    /// Targets of the current path in the coordinates of each mutation, as far as they are known.
+    targets: [Option<f64>; Mutation::COUNT],
+    /// What became of the mutations so far.
+    pub statistics: [MutationStatistics; Mutation::COUNT],
+}
+
+impl Chain {
+    /// Starts at a path.
+    pub fn start(&mut self, seed: &Path) {
+        self.current.copy_from(seed);
+        self.proposal.copy_from(seed);
+        self.targets = [None; Mutation::COUNT];
+    }
+
+    /// The current path.
+    #[inline]
+    pub fn current(&self) -> &Path {
+        &self.current
+    }
+
+    /// The last proposal.
+    #[inline]
+    pub fn proposal(&self) -> &Path {
+        &self.proposal
+    }
+
+    /// Makes a proposal; `None` when there is none, or it would never be accepted. Every proposal must be
+    /// settled by [`Chain::settle`].
+    ///
+    /// The acceptance is `min(1, target(y) P(mutation | y) / (target(x) P(mutation | x)))` with the
+    /// probabilities of choosing the mutation.
+    ///
+    /// Source: Cline et al. 2005, Eq. 7; van Antwerpen 2011, Eq. 6.7.
+    #[inline]
+    pub fn propose(
+        &mut self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        choice: &impl Choose,
+        random: &mut Stream,
+    ) -> Option<Proposed> {
+        let mutation = choice.choose(&self.current, random.next_f32())?;
+        let statistics = &mut self.statistics[mutation as usize];
+        let here = *self.targets[mutation as usize]
+            .get_or_insert_with(|| mutation.target(space, settings, &self.current));
+        if let Err(reason) = mutation.propose(space, settings, &mut self.proposal, random) {
+            statistics.reject(reason);
+            self.restore(mutation);
+            return None;
+        }
+        let target = mutation.target(space, settings, &self.proposal);
+        let choices = choice.probability(&self.proposal, mutation)
+            / choice.probability(&self.current, mutation);
+        let ratio = target / here * choices;
+        // Not a number, infinite or zero: nothing that a chain could go to.
+        let acceptance = if ratio.is_finite() && here > 0.0 {
+            ratio.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        self.statistics[mutation as usize].propose(acceptance);
+        if acceptance == 0.0 {
+            self.restore(mutation);
+            return None;
+        }
+        Some(Proposed {
+            mutation,
+            acceptance,
+            target,
+        })
+    }
+
+    /// Makes a proposal the current path, or forgets it.
+    #[inline]
+    pub fn settle(&mut self, proposed: Proposed, is_accepted: bool) {
+        if !is_accepted {
+            return self.restore(proposed.mutation);
+        }
+        let index = proposed.mutation as usize;
+        self.statistics[index].accepted += 1;
+        if let Some(last) = proposed.mutation.last_changed(&self.current) {
+            self.current.copy_prefix(&self.proposal, last);
+        }
+        self.targets = [None; Mutation::COUNT];
+        self.targets[index] = Some(proposed.target);
+    }
+
+    /// Makes the proposal equal to the current path again.
+    #[inline]
+    fn restore(&mut self, mutation: Mutation) {
+        if let Some(last) = mutation.last_changed(&self.current) {
+            self.proposal.copy_prefix(&self.current, last);
+        }
+    }
+}

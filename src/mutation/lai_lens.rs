@@ -1,0 +1,51 @@
+//! Lai's lens perturbation.
+
+use super::forward::{Redirect, connection_factor, last_moved, rebuild};
+use super::{Mutate, Perturbation, Rejection};
+use crate::path::{Event, Path, PathSpace};
+use crate::random::Stream;
+
+/// As the multi-chain perturbation, but at a finite vertex before a Dirac one the path goes on to that
+/// very vertex, which stays where it is.
+///
+/// Source: van Antwerpen 2011, Sec. 6.3.
+#[derive(Clone, Copy, Debug)]
+pub struct LaiLensPerturbation;
+
+impl Mutate for LaiLensPerturbation {
+    #[inline]
+    fn last_changed(&self, path: &Path) -> Option<usize> {
+        let is_lens = last_moved(path, 0).is_some();
+        (!is_lens)
+            .then(|| last_moved(path, usize::MAX))?
+            .map(|last| (last + 1).min(path.edges()))
+    }
+
+    /// The coordinates are the positions of the vertices that stay: every direction to one brings the
+    /// solid angle that its area takes up.
+    #[inline]
+    fn target(&self, space: &PathSpace<'_>, _: &Perturbation, path: &Path) -> f64 {
+        let Some(last) = last_moved(path, usize::MAX) else {
+            return 0.0;
+        };
+        let mut target = path.luminance() * connection_factor(space, path, last);
+        for pair in path.vertices()[..=last].windows(2) {
+            if pair[0].event == Event::Finite && pair[1].event.is_dirac() {
+                target *= space.solid_angle_per_area(&pair[0], &pair[1]);
+            }
+        }
+        target
+    }
+
+    #[inline]
+    fn propose(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        proposal: &mut Path,
+        random: &mut Stream,
+    ) -> Result<(), Rejection> {
+        let last = last_moved(proposal, usize::MAX).ok_or(Rejection::SignatureChanged)?;
+        rebuild(space, settings, Some(Redirect::Aim), proposal, last, random)
+    }
+}

@@ -1,0 +1,146 @@
+//! Mutations: from a path to another one of the same signature, and how likely that is accepted.
+//!
+//! A mutation proposes in coordinates of its own in which a move and its way back are equally likely
+//! (or in which their ratio is part of its target): the raster position, turned directions, the
+//! position of what stays. [`Mutate::target`] is the luminance of the measurement contribution in these
+//! coordinates, up to a factor that all paths reachable by the mutation share. Acceptance is then the
+//! ratio of two targets, and no density is ever evaluated.
+//!
+//! A new mutation is a file and a line in `mutations!`. The tests of balance pick it up.
+
+mod caustic;
+mod chain;
+mod choice;
+mod forward;
+mod kernel;
+mod lai_lens;
+mod lens;
+mod lens_point;
+mod multi_chain;
+mod rejection;
+mod statistics;
+
+pub use caustic::{CausticKernel, CausticPerturbation};
+pub use chain::{Chain, Proposed};
+pub use choice::{Choice, Choose};
+pub use kernel::{AngleKernel, RasterKernel, turned};
+pub use lai_lens::LaiLensPerturbation;
+pub use lens::LensPerturbation;
+pub use multi_chain::MultiChainPerturbation;
+pub use rejection::Rejection;
+pub use statistics::MutationStatistics;
+
+use crate::math::Vec2;
+use crate::path::{Path, PathSpace};
+use crate::random::Stream;
+
+/// How far mutations move, and where they may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Perturbation {
+    /// Moves of the raster position.
+    pub raster: RasterKernel,
+    /// Turns of directions inside of the scene.
+    pub angle: AngleKernel,
+    /// Turns of the direction at the head of a caustic.
+    pub caustic: CausticKernel,
+    /// Radius of the disk of moves on the lens, in radii of the lens.
+    pub lens: f32,
+    /// Where paths are seen.
+    pub domain: RasterDomain,
+}
+
+/// The raster positions that count: the film with as much around it as its filter reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RasterDomain {
+    /// Lower corner, in pixels of the full film.
+    pub low: Vec2,
+    /// Upper corner, which does not belong to the domain.
+    pub high: Vec2,
+}
+
+impl RasterDomain {
+    /// True for positions in the domain.
+    #[inline]
+    pub fn contains(&self, raster: Vec2) -> bool {
+        raster.cmpge(self.low).all() && raster.cmplt(self.high).all()
+    }
+}
+
+/// What a mutation can do.
+pub trait Mutate {
+    /// Index of the last vertex that the mutation changes, its position or its value; `None` for paths
+    /// that it does not apply to. Depends on the path's signature alone.
+    fn last_changed(&self, path: &Path) -> Option<usize>;
+
+    /// The target density at a path in the mutation's own coordinates, in which its proposals are
+    /// symmetric; not negative.
+    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64;
+
+    /// Turns a copy of the current path into a proposal.
+    ///
+    /// # Errors
+    /// Why there is none; the copy is then in disorder up to [`Mutate::last_changed`].
+    fn propose(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        proposal: &mut Path,
+        random: &mut Stream,
+    ) -> Result<(), Rejection>;
+}
+
+/// Writes the enum of all mutations and forwards [`Mutate`] to its variants.
+macro_rules! mutations {
+    ($($(#[$doc:meta])* $name:literal $variant:ident: $model:ident,)*) => {
+        /// Any mutation.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Mutation {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Mutation {
+            /// All mutations.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+            /// Number of mutations.
+            pub const COUNT: usize = Self::ALL.len();
+
+            /// Its name in options and statistics.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+        }
+
+        impl Mutate for Mutation {
+            #[inline]
+            fn last_changed(&self, path: &Path) -> Option<usize> {
+                match self { $(Self::$variant => $model.last_changed(path),)* }
+            }
+            #[inline]
+            fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+                match self { $(Self::$variant => $model.target(space, settings, path),)* }
+            }
+            #[inline]
+            fn propose(
+                &self,
+                space: &PathSpace<'_>,
+                settings: &Perturbation,
+                proposal: &mut Path,
+                random: &mut Stream,
+            ) -> Result<(), Rejection> {
+                match self { $(Self::$variant => $model.propose(space, settings, proposal, random),)* }
+            }
+        }
+    };
+}
+
+mutations! {
+    /// Moves the raster position of a path that goes on to two finite vertices.
+    "lens" Lens: LensPerturbation,
+    /// Moves the raster position, and turns directions before further Dirac events.
+    "multi_chain" MultiChain: MultiChainPerturbation,
+    /// Moves the raster position, and aims at further Dirac vertices, which stay.
+    "lai_lens" LaiLens: LaiLensPerturbation,
+    /// Turns the direction of light before it reaches what the eye sees.
+    "caustic" Caustic: CausticPerturbation,
+}

@@ -1,0 +1,47 @@
+//! The multi-chain perturbation.
+
+use super::forward::{Redirect, connection_factor, last_moved, rebuild};
+use super::{Mutate, Perturbation, Rejection};
+use crate::path::{Path, PathSpace};
+use crate::random::Stream;
+
+/// As the lens perturbation, but goes on through further runs of Dirac events: at a finite vertex
+/// before such a run, the direction to the next vertex is turned by a small angle.
+///
+/// Applies to paths with a finite vertex before a Dirac one, counted from the eye before the first
+/// pair of finite vertices.
+///
+/// Source: Cline et al. 2005, Sec. 4.3; van Antwerpen 2011, Sec. 6.3.
+#[derive(Clone, Copy, Debug)]
+pub struct MultiChainPerturbation;
+
+impl Mutate for MultiChainPerturbation {
+    #[inline]
+    fn last_changed(&self, path: &Path) -> Option<usize> {
+        let is_lens = last_moved(path, 0).is_some();
+        (!is_lens)
+            .then(|| last_moved(path, usize::MAX))?
+            .map(|last| (last + 1).min(path.edges()))
+    }
+
+    /// `f_s · |cos θ_o|` at each turned direction is in the vertices' values.
+    #[inline]
+    fn target(&self, space: &PathSpace<'_>, _: &Perturbation, path: &Path) -> f64 {
+        last_moved(path, usize::MAX).map_or(0.0, |last| {
+            path.luminance() * connection_factor(space, path, last)
+        })
+    }
+
+    #[inline]
+    fn propose(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        proposal: &mut Path,
+        random: &mut Stream,
+    ) -> Result<(), Rejection> {
+        let last = last_moved(proposal, usize::MAX).ok_or(Rejection::SignatureChanged)?;
+        let redirect = Redirect::Turn(settings.angle);
+        rebuild(space, settings, Some(redirect), proposal, last, random)
+    }
+}

@@ -1,0 +1,288 @@
+//! The space of paths of one scene, seen by one sensor.
+
+use std::cell::Cell;
+
+use super::{Event, PathVertex, VertexKind};
+use crate::accel::Ray;
+use crate::bsdf::{Bsdf, BsdfModel, DiracEvent, Transport};
+use crate::emitter::{EmitterClass, EmitterModel};
+use crate::math::{Frame, Local, Rgb, Vec2, Vec3};
+use crate::scene::{Interaction, Scene};
+use crate::sensor::{Sensor, SensorModel};
+
+/// What counts as a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PathRules {
+    /// The sensor sees through emitting surfaces, and no environment.
+    pub hide_emitters: bool,
+    /// Directions that lie on different sides of the true and the shaded surface are black.
+    pub strict_normals: bool,
+}
+
+/// The paths of a scene that a sensor sees: what scatters where, what sees what, and at what value.
+///
+/// Holds a counter of rays; every unit of work has a space of its own.
+#[derive(Debug)]
+pub struct PathSpace<'s> {
+    /// The scene.
+    pub scene: &'s Scene,
+    /// The sensor.
+    pub sensor: &'s Sensor,
+    /// What counts as a path.
+    pub rules: PathRules,
+    rays: Cell<u64>,
+}
+
+/// The only direction into which a Dirac component sends light.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed {
+    /// World-space unit direction away from the vertex.
+    pub direction: Vec3,
+    /// As [`PathVertex::value`].
+    pub value: Rgb,
+    /// As [`PathVertex::adjoint`].
+    pub adjoint: f32,
+}
+
+impl<'s> PathSpace<'s> {
+    /// Makes the space.
+    pub fn new(scene: &'s Scene, sensor: &'s Sensor, rules: PathRules) -> Self {
+        Self {
+            scene,
+            sensor,
+            rules,
+            rays: Cell::new(0),
+        }
+    }
+
+    /// Number of rays traced so far.
+    pub fn rays(&self) -> u64 {
+        self.rays.get()
+    }
+
+    #[inline]
+    fn count_ray(&self) {
+        self.rays.set(self.rays.get() + 1);
+    }
+
+    /// The first surface that a ray meets.
+    ///
+    /// - `from_sensor`: whether emitting surfaces may be hidden from it.
+    #[inline]
+    pub fn meet(&self, mut ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
+        let hides = from_sensor && self.rules.hide_emitters;
+        loop {
+            self.count_ray();
+            let met = self.scene.intersect(&ray)?;
+            if !(hides && met.emitter.is_some()) {
+                return Some(met);
+            }
+            let direction = ray.direction();
+            let left = ray.far() - met.distance;
+            ray = Ray::new(met.point.ray_origin(direction), direction).between(0.0, left);
+        }
+    }
+
+    /// The ray that leaves a surface vertex in a unit direction.
+    #[inline]
+    pub fn leave(&self, vertex: &PathVertex, direction: Vec3) -> Ray {
+        Ray::new(vertex.point.ray_origin(direction), direction)
+    }
+
+    /// Unit direction from one vertex to another, and the squared length of the edge in m²: one for an
+    /// edge to infinity. `None` for vertices at the same place.
+    #[inline]
+    pub fn edge(&self, from: &PathVertex, to: &PathVertex) -> Option<(Vec3, f32)> {
+        if to.kind == VertexKind::Infinity {
+            return Some((to.position(), 1.0));
+        }
+        let edge = to.position() - from.position();
+        let distance_squared = edge.length_squared();
+        let direction = edge * (1.0 / distance_squared.sqrt());
+        (distance_squared > 0.0 && direction.is_finite()).then_some((direction, distance_squared))
+    }
+
+    /// Solid angle at `from` for each unit of area around `to`, in 1/m²: `|cos θ| / d²`; for a point
+    /// light `1 / d²`, for a vertex at infinity one.
+    #[inline]
+    pub fn solid_angle_per_area(&self, from: &PathVertex, to: &PathVertex) -> f64 {
+        match self.edge(from, to) {
+            Some((direction, distance_squared)) => {
+                f64::from(to.geometric_cos(direction)) / f64::from(distance_squared)
+            }
+            None => 0.0,
+        }
+    }
+
+    /// True when nothing stands between two vertices.
+    ///
+    /// - `from`: on a surface.
+    /// - `to`: on a surface, at a point light or at infinity.
+    #[inline]
+    pub fn is_visible(&self, from: &PathVertex, to: &PathVertex) -> bool {
+        self.count_ray();
+        match to.kind {
+            VertexKind::Infinity => self
+                .scene
+                .is_visible_to_infinity(&from.point, to.position()),
+            VertexKind::Surface => {
+                let target = to.point.ray_origin(from.position() - to.position());
+                self.scene.is_visible(&from.point, target)
+            }
+            VertexKind::Point | VertexKind::Sensor => {
+                self.scene.is_visible(&from.point, to.position())
+            }
+        }
+    }
+
+    /// Raster position at which a surface vertex is seen through a point of the lens; `None` where it
+    /// is hidden, clipped or behind the sensor.
+    ///
+    /// - `lens`: position on the lens, in world space.
+    #[inline]
+    pub fn seen_at(&self, vertex: &PathVertex, lens: &PathVertex) -> Option<Vec2> {
+        let (direction, distance_squared) = self.edge(lens, vertex)?;
+        let raster = self.sensor.raster_at(lens.position(), direction)?;
+        let (near, far) = self.sensor.clip(direction);
+        let distance = distance_squared.sqrt();
+        if distance < near || distance > far {
+            return None;
+        }
+        let mut origin = vertex.point.ray_origin(-direction);
+        let target = lens.position() + direction * near;
+        loop {
+            self.count_ray();
+            let segment = Ray::segment(origin, target);
+            if !self.rules.hide_emitters {
+                return (!self.scene.accel().is_occluded(&segment)).then_some(raster);
+            }
+            let Some(met) = self.scene.intersect(&segment) else {
+                return Some(raster);
+            };
+            met.emitter?;
+            origin = met.point.ray_origin(-direction);
+        }
+    }
+
+    /// The material at a vertex.
+    #[inline]
+    pub fn bsdf(&self, vertex: &PathVertex) -> Option<&'s Bsdf> {
+        let object = self.scene.objects().get(vertex.object()?)?;
+        Some(self.scene.bsdf(object.bsdf))
+    }
+
+    /// `f_s · |n_s · ω_l|` of the finite lobes: radiance from `to_light` scattered to `to_eye`.
+    #[inline]
+    pub fn finite_value(&self, vertex: &PathVertex, to_eye: Vec3, to_light: Vec3) -> Rgb {
+        let Some(bsdf) = self.bsdf(vertex) else {
+            return Rgb::BLACK;
+        };
+        let frame = vertex.point.shading_frame();
+        let (wi, wo) = (frame.to_local(to_eye), frame.to_local(to_light));
+        if !self.sides_agree(vertex, (wi, to_eye), (wo, to_light)) {
+            return Rgb::BLACK;
+        }
+        bsdf.eval(wi, wo, &vertex.point, Transport::Radiance)
+    }
+
+    /// Follows a Dirac event from the eye's side to the light's.
+    ///
+    /// `None` where the material has no such event there, or sends nothing.
+    #[inline]
+    pub fn follow(&self, vertex: &PathVertex, event: Event, to_eye: Vec3) -> Option<Followed> {
+        let frame = vertex.point.shading_frame();
+        let wi = frame.to_local(to_eye);
+        let found = self.dirac(vertex, event, wi, Transport::Radiance)?;
+        let direction = frame.to_world(found.direction);
+        if !self.sides_agree(vertex, (wi, to_eye), (found.direction, direction)) {
+            return None;
+        }
+        let cosines = vertex.geometric_cos(to_eye) / vertex.geometric_cos(direction);
+        (!found.coefficient.is_black()).then(|| Followed {
+            direction,
+            value: found.coefficient,
+            adjoint: cosines * found.inverse_stretch(),
+        })
+    }
+
+    /// Follows a Dirac event from the light's side to the eye's; value and factor are those of
+    /// [`PathSpace::follow`] from there.
+    ///
+    /// Differs: the coefficient for importance with its shading-normal factor (Veach 1997, Sec. 5.3) is
+    /// kept as the one for radiance times [`PathVertex::adjoint`], so that a vertex means the same
+    /// whichever side it was made from.
+    #[inline]
+    pub fn follow_back(
+        &self,
+        vertex: &PathVertex,
+        event: Event,
+        to_light: Vec3,
+    ) -> Option<Followed> {
+        let frame = vertex.point.shading_frame();
+        let wi = frame.to_local(to_light);
+        let found = self.dirac(vertex, event, wi, Transport::Importance)?;
+        let direction = frame.to_world(found.direction);
+        let from_eye = self.follow(vertex, event, direction)?;
+        Some(Followed {
+            direction,
+            ..from_eye
+        })
+    }
+
+    #[inline]
+    fn dirac(
+        &self,
+        vertex: &PathVertex,
+        event: Event,
+        wi: Local,
+        transport: Transport,
+    ) -> Option<DiracEvent> {
+        let component = event.component()?;
+        let bsdf = self.bsdf(vertex)?;
+        if component.0 >= bsdf.component_count() {
+            return None;
+        }
+        let found = bsdf.follow(wi, &vertex.point, transport, component)?;
+        (Event::of_lobe(found.lobe, component) == event).then_some(found)
+    }
+
+    /// What an emitter's vertex sends in a unit direction away from it.
+    ///
+    /// Radiance of areas and environments, intensity of point lights; the irradiance of a directional
+    /// light is kept in the vertex.
+    #[inline]
+    pub fn emission(&self, vertex: &PathVertex, to_eye: Vec3) -> Rgb {
+        let (Some(id), Event::Emission(class)) = (vertex.emitter(), vertex.event) else {
+            return Rgb::BLACK;
+        };
+        let emitter = self.scene.lights().get(id);
+        match class {
+            EmitterClass::Area => emitter.radiance(&vertex.point, to_eye),
+            EmitterClass::Point => emitter.intensity(to_eye),
+            EmitterClass::Directional => vertex.value,
+            EmitterClass::Environment => emitter.environment_radiance(vertex.position()),
+        }
+    }
+
+    /// False where `strict_normals` forbids a pair of directions, each given in both frames.
+    #[inline]
+    fn sides_agree(&self, vertex: &PathVertex, a: (Local, Vec3), b: (Local, Vec3)) -> bool {
+        let normal = vertex.point.geometric_normal;
+        let agrees = |(local, world): (Local, Vec3)| normal.dot(world) * local.cos() > 0.0;
+        !self.rules.strict_normals || (agrees(a) && agrees(b))
+    }
+
+    /// The frame and the eye's direction at a surface.
+    #[inline]
+    pub(super) fn strict_agrees(&self, met: &Interaction<'_>, local: Local, world: Vec3) -> bool {
+        let normal = met.point.geometric_normal;
+        !self.rules.strict_normals
+            || (normal.dot(met.back) * met.wi.cos() > 0.0 && normal.dot(world) * local.cos() > 0.0)
+    }
+
+    /// The frame that the material at a vertex writes its directions in.
+    #[inline]
+    pub fn frame(&self, vertex: &PathVertex) -> Frame {
+        vertex.point.shading_frame()
+    }
+}
