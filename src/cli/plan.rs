@@ -7,7 +7,7 @@ use super::budget::Goal;
 use super::failure::Failure;
 use super::notes::Notes;
 use crate::film::{Filter, FilterKind};
-use crate::integrator::{self, Aov, PixelIntegrator};
+use crate::integrator::{self, Algorithm, Aov};
 use crate::scene::import::xml::{Diagnostic, Name, Severity, did_you_mean};
 use crate::scene::import::{IntegratorRequest, View};
 use crate::scene::options::{OptionError, OptionReader, OptionValue, Options};
@@ -26,11 +26,13 @@ pub(super) struct Plan {
     /// Name of the integrator.
     pub(super) name: String,
     /// The integrator.
-    pub(super) integrator: Box<dyn PixelIntegrator>,
+    pub(super) integrator: Box<dyn Algorithm>,
     /// Its options, defaults included.
     pub(super) options: Vec<(String, String)>,
     /// Layers about the first surface.
     pub(super) aovs: Vec<Aov>,
+    /// Layers of the integrator's own.
+    pub(super) own_layers: Vec<String>,
     /// Whether the variance of the mean is wanted.
     pub(super) variance: bool,
 }
@@ -85,13 +87,26 @@ impl Plan {
         if choice.stands_in && args.integrator.is_none() {
             note_replacement(request, choice.name, &options, notes);
         }
-        let (mut aovs, variance) = named_layers(&args.aov)?;
+        let NamedLayers {
+            mut aovs,
+            own_layers,
+            variance,
+        } = named_layers(&args.aov)?;
+        let made = integrator.own_layers();
+        if let Some(name) = own_layers
+            .iter()
+            .find(|name| !made.contains(&name.as_str()))
+        {
+            let message = format!("integrator \"{}\" has no layer \"{name}\"", choice.name);
+            return Err(Failure::Usage(message));
+        }
         add_scene_layers(&mut aovs, request, notes);
         Ok(Self {
             name: choice.name.to_owned(),
             integrator,
             options,
             aovs,
+            own_layers,
             variance,
         })
     }
@@ -192,26 +207,42 @@ fn wrong_value(error: &OptionError, given: &Options, request: &IntegratorRequest
     }
 }
 
-/// The layers of a list of names, each once, and whether the variance is among them.
-fn named_layers(names: &[String]) -> Result<(Vec<Aov>, bool), Failure> {
-    let mut aovs = Vec::new();
-    let mut variance = false;
+/// Layers that are asked for by name.
+#[derive(Debug, Default)]
+struct NamedLayers {
+    aovs: Vec<Aov>,
+    own_layers: Vec<String>,
+    variance: bool,
+}
+
+/// The layers of a list of names, each once.
+fn named_layers(names: &[String]) -> Result<NamedLayers, Failure> {
+    let mut found = NamedLayers::default();
     for name in names.iter().map(|name| name.trim()) {
         match Aov::from_name(name) {
-            Some(aov) if !aovs.contains(&aov) => aovs.push(aov),
+            Some(aov) if !found.aovs.contains(&aov) => found.aovs.push(aov),
             Some(_) => {}
-            None if name == VARIANCE => variance = true,
+            None if name == VARIANCE => found.variance = true,
+            None if integrator::OWN_LAYERS.contains(&name) => {
+                if !found.own_layers.iter().any(|known| known == name) {
+                    found.own_layers.push(name.to_owned());
+                }
+            }
             None => {
-                let known = Aov::NAMES.map(|(known, _)| known);
-                let hint = did_you_mean(name, known.into_iter().chain([VARIANCE]));
+                let known = Aov::NAMES.map(|(known, _)| known).into_iter();
+                let known: Vec<&str> = known
+                    .chain(integrator::OWN_LAYERS.iter().copied())
+                    .chain([VARIANCE])
+                    .collect();
+                let hint = did_you_mean(name, known.iter().copied());
                 let known = known.join(", ");
                 return Err(Failure::Usage(format!(
-                    "unknown layer \"{name}\"{hint}; there are {known}, {VARIANCE}"
+                    "unknown layer \"{name}\"{hint}; there are {known}"
                 )));
             }
         }
     }
-    Ok((aovs, variance))
+    Ok(found)
 }
 
 /// Adds the layers that the scene asks for as `name:kind`; their names are ours, not the scene's.

@@ -22,7 +22,7 @@ use super::version;
 use crate::accel;
 use crate::film::{Filter, Layer};
 use crate::image::{Compression, ExrOptions, Image, Precision};
-use crate::integrator::{Integrator, PixelRender, PixelSettings, Progress, Rendered, render};
+use crate::integrator::{PixelSettings, Progress, Rendered, render};
 use crate::output::{LayerChoice, Run, SaveOptions, metadata, picture, save};
 use crate::scene::import::{Imported, View};
 
@@ -191,15 +191,18 @@ impl Session<'_> {
             alpha: view.alpha,
             second_moment: imported.integrator.second_moment,
             aovs: plan.aovs.clone(),
+            own_layers: plan.own_layers.clone(),
         };
-        let work = PixelRender::new(&imported.scene, &view.sensor, &*plan.integrator, settings);
+        let work = plan
+            .integrator
+            .start(&imported.scene, &view.sensor, settings);
         let goal = plan::goal(self.args, view);
         let mut budget = Budget::new(goal, start.elapsed());
         let progress = Progress::default();
         let mut passes = || {
-            let keep_variance = |layer: &Layer| plan.variance && layer.name.is_empty();
+            let keep_variance = |layer: &Layer| plan.variance && work.has_variance(layer);
             let cancelled = self.interruption.cancelled();
-            render(&work, keep_variance, cancelled, &progress, |step| {
+            render(&*work, keep_variance, cancelled, &progress, |step| {
                 if budget.allows_another(step.passes, start.elapsed()) {
                     ControlFlow::Continue(())
                 } else {

@@ -116,6 +116,18 @@ impl PassBuffer {
         std::mem::take(self.rejected.get_mut())
     }
 
+    /// Adds what has landed in another buffer of the same window and unit to the first channels.
+    pub fn add_buffer(&mut self, other: &mut Self) {
+        let (own, others) = (self.channels, other.channels);
+        let rows = self.sums.chunks_mut(own).zip(other.sums.chunks_mut(others));
+        for (sums, landed) in rows {
+            for (sum, landed) in sums.iter_mut().zip(landed) {
+                let sum = sum.get_mut();
+                *sum = sum.saturating_add(*landed.get_mut());
+            }
+        }
+    }
+
     /// Forgets what has landed.
     pub fn clear(&mut self) {
         for sum in &mut self.sums {

@@ -1,8 +1,9 @@
 //! Layers that describe the first surface that a pixel sees.
 
+use super::pixel::PixelSettings;
 use crate::bsdf::BsdfModel;
 use crate::emitter::SceneBounds;
-use crate::film::{Layer, Unit};
+use crate::film::{Layer, PassBuffer, Unit};
 use crate::math::{Vec2, Vec3};
 use crate::scene::Interaction;
 
@@ -24,7 +25,7 @@ pub enum Aov {
 }
 
 /// The value of a layer at one camera sample.
-pub(super) enum AovValue {
+enum AovValue {
     One(f32),
     Two(Vec2),
     Three(Vec3),
@@ -74,7 +75,7 @@ impl Aov {
     }
 
     /// The value at the first surface; zero where there is none.
-    pub(super) fn value(self, first: Option<&Interaction<'_>>) -> AovValue {
+    fn value(self, first: Option<&Interaction<'_>>) -> AovValue {
         let vector =
             |of: fn(&Interaction<'_>) -> Vec3| AovValue::Three(first.map_or(Vec3::ZERO, of));
         match self {
@@ -84,6 +85,25 @@ impl Aov {
             Self::Position => vector(|i| i.point.position),
             Self::Depth => AovValue::One(first.map_or(0.0, |i| i.distance)),
             Self::Uv => AovValue::Two(first.map_or(Vec2::ZERO, |i| i.point.uv)),
+        }
+    }
+}
+
+/// Adds one camera sample to all layers about the first surface.
+///
+/// - `layers`: the buffers of [`PixelSettings::aovs`], in their order.
+pub(super) fn add_all(
+    settings: &PixelSettings,
+    first: Option<&Interaction<'_>>,
+    raster: Vec2,
+    layers: &[PassBuffer],
+) {
+    let filter = &settings.filter;
+    for (aov, layer) in settings.aovs.iter().zip(layers) {
+        match aov.value(first) {
+            AovValue::One(value) => layer.add(filter, raster, [value]),
+            AovValue::Two(value) => layer.add(filter, raster, value.to_array()),
+            AovValue::Three(value) => layer.add(filter, raster, value.to_array()),
         }
     }
 }

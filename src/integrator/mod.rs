@@ -4,8 +4,11 @@
 //! depends on scene, options, seed, pass and unit alone. [`render`] runs passes; it knows no clock.
 
 mod aov;
+mod camera;
+mod chains;
 mod depth;
 mod direct;
+mod erpt;
 
 mod path;
 mod pixel;
@@ -14,27 +17,64 @@ mod render;
 pub use aov::Aov;
 pub use depth::Depth;
 pub use direct::Direct;
+pub use erpt::Erpt;
 
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
 pub use render::{Counters, Integrator, Progress, Rendered, Step, render};
 
 use crate::path::Heuristic;
+use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
+use crate::sensor::Sensor;
+
+/// A chosen algorithm with its options: what can render any scene.
+pub trait Algorithm: Send + Sync {
+    /// Prepares the render of a scene.
+    fn start<'s>(
+        &'s self,
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        settings: PixelSettings,
+    ) -> Box<dyn Integrator + 's>;
+
+    /// Names of the layers that the algorithm can make besides its image, on demand.
+    fn own_layers(&self) -> &'static [&'static str] {
+        &[]
+    }
+}
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
-pub const NAMES: [(&str, &str); 3] = [
+pub const NAMES: [(&str, &str); 4] = [
     ("path", "path tracing with multiple importance sampling"),
     ("direct", "direct light only"),
     ("depth", "distance to the first surface"),
+    ("erpt", "energy redistribution path tracing"),
 ];
 
-/// Makes an integrator by name.
+/// Names of layers that some algorithm makes on demand.
+pub const OWN_LAYERS: &[&str] = erpt::OWN_LAYERS;
+
+/// Makes an algorithm by name.
 ///
 /// # Errors
 /// An option whose value is of the wrong kind or out of range; [`OptionError::UnknownIntegrator`]
 /// for a name that is not in [`NAMES`].
 pub fn from_options(
+    name: &str,
+    options: &mut OptionReader<'_>,
+) -> Result<Box<dyn Algorithm>, OptionError> {
+    match name {
+        "erpt" => Ok(Box::new(Erpt::from_options(options)?)),
+        _ => Ok(Box::new(pixel_integrator(name, options)?)),
+    }
+}
+
+/// Makes an integrator by name that estimates one camera ray at a time.
+///
+/// # Errors
+/// As [`from_options`].
+pub fn pixel_integrator(
     name: &str,
     options: &mut OptionReader<'_>,
 ) -> Result<Box<dyn PixelIntegrator>, OptionError> {

@@ -1,13 +1,15 @@
 //! Integrators that estimate the radiance along one camera ray at a time.
 
-use super::aov::{Aov, AovValue};
+use super::Algorithm;
+use super::aov::{self, Aov};
+use super::camera::{CameraSample, SampledWindow, sample_of_film};
 use super::render::{Counters, Integrator};
 use crate::accel::Ray;
 use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
-use crate::math::{Rgb, Vec2};
-use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
+use crate::math::Rgb;
+use crate::random::{Purpose, Sampler, SamplerKind};
 use crate::scene::{Interaction, Scene};
-use crate::sensor::{CameraRay, Sensor, SensorModel};
+use crate::sensor::{CameraRay, Sensor};
 
 /// Estimate of the radiance along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +76,8 @@ pub struct PixelSettings {
     pub second_moment: bool,
     /// Layers that describe the first surface.
     pub aovs: Vec<Aov>,
+    /// Layers of the algorithm's own that are wanted, by name.
+    pub own_layers: Vec<String>,
 }
 
 /// A render by a [`PixelIntegrator`]: every pass makes one camera sample in every pixel.
@@ -87,21 +91,6 @@ pub struct PixelRender<'s> {
     sampled: SampledWindow,
 }
 
-/// A window that may reach beyond the film's edges.
-#[derive(Clone, Copy, Debug)]
-struct SampledWindow {
-    x: i32,
-    y: i32,
-    width: u32,
-    height: u32,
-}
-
-/// Pixels along each side of a unit of work.
-const BLOCK: u32 = 16;
-
-/// Pixel index of the stream that moves the grid of a pass: no pixel has it.
-const GRID: u32 = u32::MAX;
-
 impl<'s> PixelRender<'s> {
     /// Prepares a render: makes the small estimate that fixes the film's unit.
     pub fn new(
@@ -110,14 +99,7 @@ impl<'s> PixelRender<'s> {
         integrator: &'s dyn PixelIntegrator,
         settings: PixelSettings,
     ) -> Self {
-        let border = settings.filter.border();
-        let window = settings.window;
-        let sampled = SampledWindow {
-            x: window.x as i32 - border as i32,
-            y: window.y as i32 - border as i32,
-            width: window.width + 2 * border,
-            height: window.height + 2 * border,
-        };
+        let sampled = SampledWindow::new(&settings);
         let unit = Unit::for_magnitude(1.0);
         let mut render = Self {
             scene,
@@ -138,21 +120,18 @@ impl<'s> PixelRender<'s> {
         let mut counters = Counters::default();
         let mut sum = 0.0;
         for index in 0..SIDE * SIDE {
-            let address = PixelAddress {
-                seed: self.settings.seed,
-                purpose: Purpose::FilmUnit,
-                pixel: index,
-                sample: 0,
-            };
-            let mut sampler = Sampler::new(SamplerKind::Independent, address);
-            let cell = Vec2::new((index % SIDE) as f32, (index / SIDE) as f32);
-            let place = (cell + sampler.next_2d()) / SIDE as f32;
-            let (width, height) = self.settings.film_size;
-            let raster = place * Vec2::new(width as f32, height as f32);
-            let ray = self.sensor.sample_ray(raster, sampler.next_2d());
-            let estimate = self
-                .integrator
-                .estimate(self.scene, &ray, &mut sampler, &mut counters);
+            let mut sample = sample_of_film(
+                self.sensor,
+                &self.settings,
+                Purpose::FilmUnit,
+                (index, SIDE),
+            );
+            let estimate = self.integrator.estimate(
+                self.scene,
+                &sample.ray,
+                &mut sample.sampler,
+                &mut counters,
+            );
             let luminance = f64::from(estimate.radiance.luminance());
             sum += if luminance.is_finite() {
                 luminance
@@ -161,15 +140,6 @@ impl<'s> PixelRender<'s> {
             };
         }
         sum / f64::from(SIDE * SIDE)
-    }
-
-    /// Index of a pixel in the full film with the filter's border around it.
-    fn pixel_index(&self, x: i32, y: i32) -> u32 {
-        let border = self.settings.filter.border();
-        let column = x.wrapping_add_unsigned(border) as u32;
-        let row = y.wrapping_add_unsigned(border) as u32;
-        let stride = self.settings.film_size.0 + 2 * border;
-        row.wrapping_mul(stride).wrapping_add(column)
     }
 
     /// Makes one camera sample.
@@ -184,19 +154,12 @@ impl<'s> PixelRender<'s> {
         counters: &mut Counters,
     ) {
         let settings = &self.settings;
-        let address = PixelAddress {
-            seed: settings.seed,
-            purpose: Purpose::Pixel,
-            pixel: self.pixel_index(x, y),
-            sample: pass,
-        };
-        let mut sampler = Sampler::new(settings.sampler, address);
-        let offset = self.offset_in_pixel(pass, &mut sampler);
-        let raster = Vec2::new(x as f32, y as f32) + offset;
-        let ray = self.sensor.sample_ray(raster, sampler.next_2d());
+        let mut sample =
+            CameraSample::of_pixel(self.sensor, settings, (x, y), Purpose::Pixel, pass);
+        let (ray, raster) = (sample.ray, sample.raster);
         let estimate = self
             .integrator
-            .estimate(self.scene, &ray, &mut sampler, counters);
+            .estimate(self.scene, &ray, &mut sample.sampler, counters);
         counters.paths += 1;
 
         let [r, g, b] = estimate.radiance.to_array();
@@ -211,40 +174,10 @@ impl<'s> PixelRender<'s> {
             next_layer().add(&settings.filter, raster, [r * r, g * g, b * b]);
         }
         if !settings.aovs.is_empty() {
-            let first = self.scene.intersect(&ray.to_ray());
             counters.rays += 1;
-            for aov in &settings.aovs {
-                match aov.value(first.as_ref()) {
-                    AovValue::One(value) => next_layer().add(&settings.filter, raster, [value]),
-                    AovValue::Two(value) => {
-                        next_layer().add(&settings.filter, raster, value.to_array());
-                    }
-                    AovValue::Three(value) => {
-                        next_layer().add(&settings.filter, raster, value.to_array());
-                    }
-                }
-            }
+            let first = self.scene.intersect(&ray.to_ray());
+            aov::add_all(settings, first.as_ref(), raster, layers.as_slice());
         }
-    }
-
-    /// Place of a camera sample in its pixel.
-    ///
-    /// A filter that spreads samples over several pixels sees one grid a pass, moved as a whole: the
-    /// weights that a pixel collects then add up to one in every pass for filters whose shifted
-    /// copies do (tent, Mitchell), and very nearly for the others, so that flat areas have no grain.
-    #[inline]
-    fn offset_in_pixel(&self, pass: u32, sampler: &mut Sampler) -> Vec2 {
-        let own = sampler.next_2d();
-        if self.settings.filter.is_pixel_box() {
-            return own;
-        }
-        let address = PixelAddress {
-            seed: self.settings.seed,
-            purpose: Purpose::Pixel,
-            pixel: GRID,
-            sample: pass,
-        };
-        Sampler::new(self.settings.sampler, address).next_2d()
     }
 }
 
@@ -282,19 +215,25 @@ impl Integrator for PixelRender<'_> {
     }
 
     fn unit_count(&self) -> u32 {
-        self.sampled.width.div_ceil(BLOCK) * self.sampled.height.div_ceil(BLOCK)
+        self.sampled.unit_count()
     }
 
     fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
-        let columns = self.sampled.width.div_ceil(BLOCK);
-        let (left, top) = ((unit % columns) * BLOCK, (unit / columns) * BLOCK);
         let mut counters = Counters::default();
-        for y in top..(top + BLOCK).min(self.sampled.height) {
-            for x in left..(left + BLOCK).min(self.sampled.width) {
-                let (x, y) = (self.sampled.x + x as i32, self.sampled.y + y as i32);
-                self.sample_pixel(x, y, pass, layers, &mut counters);
-            }
+        for (x, y) in self.sampled.pixels(unit) {
+            self.sample_pixel(x, y, pass, layers, &mut counters);
         }
         counters
+    }
+}
+
+impl Algorithm for Box<dyn PixelIntegrator> {
+    fn start<'s>(
+        &'s self,
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        settings: PixelSettings,
+    ) -> Box<dyn Integrator + 's> {
+        Box::new(PixelRender::new(scene, sensor, &**self, settings))
     }
 }

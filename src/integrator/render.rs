@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use crate::film::{Accumulator, Layer, PassBuffer, Unit, Window};
+use crate::mutation::{Mutation, MutationStatistics};
 
 /// What an algorithm is to the driver: layers, and units of work that fill them.
 pub trait Integrator: Sync {
@@ -29,6 +30,23 @@ pub trait Integrator: Sync {
     ///
     /// - `layers`: one buffer for each of [`Integrator::layers`].
     fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters;
+
+    /// Ends a pass whose units are all done: layers that follow from others are made here.
+    fn finish_pass(&self, layers: &mut [PassBuffer]) {
+        let _ = layers;
+    }
+
+    /// Whether the spread of a layer's replicas tells the noise of something that is looked at.
+    fn has_variance(&self, layer: &Layer) -> bool {
+        layer.name.is_empty()
+    }
+
+    /// Turns the means of all passes into what the layers show.
+    ///
+    /// - `means`: for each of [`Integrator::layers`] its values, pixel by pixel.
+    fn resolve(&self, means: &mut [Vec<f32>]) {
+        let _ = means;
+    }
 }
 
 /// Counts of work done.
@@ -40,6 +58,17 @@ pub struct Counters {
     pub rays: u64,
     /// Estimates that were not finite or out of range, and were left out.
     pub rejected: u64,
+    /// Markov chains run.
+    pub chains: u64,
+    /// What became of the chains' mutations, one entry for each of [`Mutation::ALL`].
+    pub mutations: [MutationStatistics; Mutation::COUNT],
+}
+
+impl Counters {
+    /// Mutations tried, of all kinds.
+    pub fn mutation_count(&self) -> u64 {
+        self.mutations.iter().map(|kind| kind.proposed).sum()
+    }
 }
 
 impl AddAssign for Counters {
@@ -47,6 +76,10 @@ impl AddAssign for Counters {
         self.paths += other.paths;
         self.rays += other.rays;
         self.rejected += other.rejected;
+        self.chains += other.chains;
+        for (sum, kind) in self.mutations.iter_mut().zip(other.mutations) {
+            *sum += kind;
+        }
     }
 }
 
@@ -95,6 +128,8 @@ pub struct Step {
 pub struct Rendered {
     /// The layers, with their sums.
     pub layers: Vec<(Layer, Accumulator)>,
+    /// What each layer shows, pixel by pixel.
+    pub means: Vec<Vec<f32>>,
     /// The pixels that were rendered.
     pub window: Window,
     /// Passes in the sums.
@@ -117,7 +152,7 @@ pub fn render(
     mut next: impl FnMut(Step) -> ControlFlow<()>,
 ) -> Rendered {
     let (window, layers, units) = (integrator.window(), integrator.layers(), integrator.units());
-    let mut buffers = Vec::with_capacity(layers.len());
+    let mut buffers: Vec<PassBuffer> = Vec::with_capacity(layers.len());
     let mut sums = Vec::with_capacity(layers.len());
     for (layer, unit) in layers.iter().zip(units) {
         let channels = layer.channels.len();
@@ -136,6 +171,7 @@ pub fn render(
     while !cancelled.load(Relaxed) && next(done).is_continue() {
         let counters = run_pass(integrator, done.passes, &buffers, cancelled, progress);
         let Some(mut counters) = counters else { break };
+        integrator.finish_pass(&mut buffers);
         for (sum, buffer) in sums.iter_mut().zip(&mut buffers) {
             counters.rejected += buffer.rejected();
             sum.fold(buffer);
@@ -143,9 +179,12 @@ pub fn render(
         done.counters += counters;
         done.passes += 1;
     }
-    let layers = layers.into_iter().zip(sums).collect();
+    let layers: Vec<_> = layers.into_iter().zip(sums).collect();
+    let mut means: Vec<_> = layers.iter().map(|(_, sum)| sum.mean()).collect();
+    integrator.resolve(&mut means);
     Rendered {
         layers,
+        means,
         window,
         passes: done.passes,
         counters: done.counters,

@@ -1,6 +1,7 @@
 //! One Markov chain of paths.
 
 use super::{Choose, Mutate, Mutation, MutationStatistics, Perturbation};
+use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
 
@@ -25,6 +26,8 @@ pub struct Chain {
     proposal: Path,
     /// Targets of the current path in the coordinates of each mutation, as far as they are known.
     targets: [Option<f64>; Mutation::COUNT],
+    /// Where the last mutation tried to go on the image.
+    tried: Option<Vec2>,
     /// What became of the mutations so far.
     pub statistics: [MutationStatistics; Mutation::COUNT],
 }
@@ -49,6 +52,13 @@ impl Chain {
         &self.proposal
     }
 
+    /// Raster position that the last mutation tried to go to, whether it got there or not; `None` where it
+    /// ended before it had one, or left the image.
+    #[inline]
+    pub fn tried(&self) -> Option<Vec2> {
+        self.tried
+    }
+
     /// Makes a proposal; `None` when there is none, or it would never be accepted. Every proposal must be
     /// settled by [`Chain::settle`].
     ///
@@ -64,11 +74,16 @@ impl Chain {
         choice: &impl Choose,
         random: &mut Stream,
     ) -> Option<Proposed> {
+        self.tried = None;
         let mutation = choice.choose(&self.current, random.next_f32())?;
         let statistics = &mut self.statistics[mutation as usize];
         let here = *self.targets[mutation as usize]
             .get_or_insert_with(|| mutation.target(space, settings, &self.current));
-        if let Err(reason) = mutation.propose(space, settings, &mut self.proposal, random) {
+        let proposed = mutation.propose(space, settings, &mut self.proposal, random);
+        let raster = self.proposal.raster();
+        let has_moved = proposed.is_ok() || raster != self.current.raster();
+        self.tried = (has_moved && settings.domain.contains(raster)).then_some(raster);
+        if let Err(reason) = proposed {
             statistics.reject(reason);
             self.restore(mutation);
             return None;

@@ -29,36 +29,41 @@ pub fn picture(rendered: &Rendered, film_size: (u32, u32), choice: LayerChoice) 
         min: [left, top],
         max: [right, bottom],
     };
-    for (layer, sums) in &rendered.layers {
+    for ((layer, _), means) in rendered.layers.iter().zip(&rendered.means) {
         let precision = if needs_float(layer) {
             Precision::Float
         } else {
             choice.precision
         };
-        push_layer(&mut image, layer, precision, &sums.mean());
+        push_layer(&mut image, layer, precision, means);
     }
     if choice.variance {
-        if let Some((layer, values)) = variance_layer(rendered) {
-            push_layer(&mut image, &layer, Precision::Float, &values);
+        for (layer, sums) in &rendered.layers {
+            if let Some((layer, values)) = variance_layer(layer, sums) {
+                push_layer(&mut image, &layer, Precision::Float, &values);
+            }
         }
     }
     image
 }
 
-/// The variance of the image's mean, without alpha.
-fn variance_layer(rendered: &Rendered) -> Option<(Layer, Vec<f32>)> {
-    let (beauty, sums): &(Layer, Accumulator) = rendered.layers.first()?;
-    let values = sums.variance_of_mean()?;
-    let channels = beauty.channels.len();
+/// The variance of a layer's mean, without alpha; `None` where its spread is not kept, and for layers without colour.
+fn variance_layer(layer: &Layer, sums: &Accumulator) -> Option<(Layer, Vec<f32>)> {
+    let channels = layer.channels.len();
+    let values = sums.variance_of_mean().filter(|_| channels >= 3)?;
     let without_alpha = values.chunks_exact(channels).flat_map(|pixel| &pixel[..3]);
-    Some((
-        Layer::new("variance", "RGB"),
-        without_alpha.copied().collect(),
-    ))
+    let name = match layer.name.as_str() {
+        "" => "variance".to_owned(),
+        name => format!("{name}.variance"),
+    };
+    Some((Layer::new(&name, "RGB"), without_alpha.copied().collect()))
 }
 
 fn needs_float(layer: &Layer) -> bool {
-    matches!(layer.name.as_str(), "depth" | "position" | "uv" | "moment2")
+    matches!(
+        layer.name.as_str(),
+        "depth" | "position" | "uv" | "moment2" | "proposals" | "chains"
+    )
 }
 
 /// Adds a layer whose values stand pixel by pixel.
@@ -96,14 +101,16 @@ mod tests {
     }
 
     fn rendered() -> Rendered {
+        let layers = vec![
+            layer(
+                Layer::new("", "RGBA"),
+                &[[1.0, 2.0, 3.0, 1.0], [3.0, 2.0, 5.0, 1.0]],
+            ),
+            layer(Layer::new("depth", "Z"), &[[4.0], [4.0]]),
+        ];
         Rendered {
-            layers: vec![
-                layer(
-                    Layer::new("", "RGBA"),
-                    &[[1.0, 2.0, 3.0, 1.0], [3.0, 2.0, 5.0, 1.0]],
-                ),
-                layer(Layer::new("depth", "Z"), &[[4.0], [4.0]]),
-            ],
+            means: layers.iter().map(|(_, sums)| sums.mean()).collect(),
+            layers,
             window: WINDOW,
             passes: 2,
             counters: Counters::default(),

@@ -18,6 +18,8 @@ pub enum Purpose {
     DepositionEnergy = 5,
     /// Markov chains.
     Chain = 6,
+    /// Samples of a layer of direct light.
+    Direct = 7,
 }
 
 /// A stream of uniform numbers at one address.

@@ -112,6 +112,31 @@ impl<'o> OptionReader<'o> {
             .ok_or_else(|| wrong(name, &value, expected()))
     }
 
+    /// A number in a range.
+    ///
+    /// # Errors
+    /// [`OptionError::Value`] for another kind of value, or one out of the range.
+    pub fn float(
+        &mut self,
+        name: &str,
+        range: std::ops::RangeInclusive<f64>,
+        default: f64,
+    ) -> Result<f64, OptionError> {
+        let value = self.take(name, OptionValue::Float(default));
+        let number = match value {
+            OptionValue::Integer(number) => Some(number as f64),
+            OptionValue::Float(number) => Some(number),
+            _ => None,
+        };
+        let expected = || match (*range.start(), *range.end()) {
+            (low, high) if high.is_infinite() => format!("a number from {low} on"),
+            (low, high) => format!("a number from {low} to {high}"),
+        };
+        number
+            .filter(|number| range.contains(number))
+            .ok_or_else(|| wrong(name, &value, expected()))
+    }
+
     /// `true` or `false`.
     ///
     /// # Errors

@@ -1,0 +1,102 @@
+//! The energy that a chain deposits at each step.
+
+use rayon::prelude::*;
+
+use super::Erpt;
+use crate::integrator::camera::sample_of_film;
+use crate::integrator::pixel::PixelSettings;
+use crate::path::{Path, PathSpace};
+use crate::random::Purpose;
+use crate::scene::Scene;
+use crate::sensor::Sensor;
+
+/// Means over camera samples all over the film, zeros included, as luminance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MeanEnergy {
+    /// Of all paths.
+    pub(super) image: f64,
+    /// Of the paths whose energy goes to chains.
+    pub(super) chains: f64,
+}
+
+/// Samples a pixel, where no number is given.
+const SAMPLES_PER_PIXEL: u32 = 4;
+
+/// Most samples, where no number is given: more would not make rendering faster.
+const MOST_SAMPLES: u32 = 1 << 20;
+
+impl MeanEnergy {
+    /// Estimates the energies from samples that serve nothing else.
+    ///
+    /// Depends on scene, options and seed alone. A poor estimate changes the time of the render, never
+    /// its mean.
+    pub(super) fn estimate(
+        erpt: &Erpt,
+        scene: &Scene,
+        sensor: &Sensor,
+        settings: &PixelSettings,
+    ) -> Self {
+        let (width, height) = settings.film_size;
+        let wanted = erpt.luminance_samples.unwrap_or_else(|| {
+            let pixels = width.saturating_mul(height);
+            pixels.saturating_mul(SAMPLES_PER_PIXEL).min(MOST_SAMPLES)
+        });
+        let side = wanted.isqrt().max(1);
+        // One slot a row, summed in order: the same bits for any number of threads.
+        let rows: Vec<Self> = (0..side)
+            .into_par_iter()
+            .map(|row| {
+                let space = PathSpace::new(scene, sensor, erpt.rules);
+                let mut path = Path::default();
+                let mut sum = Self::default();
+                for column in 0..side {
+                    let cell = (row * side + column, side);
+                    sum.add_sample(erpt, &space, &mut path, settings, cell);
+                }
+                sum
+            })
+            .collect();
+        let count = f64::from(side) * f64::from(side);
+        let sum = |of: fn(&Self) -> f64| rows.iter().map(of).sum::<f64>() / count;
+        Self {
+            image: sum(|row| row.image),
+            chains: sum(|row| row.chains),
+        }
+    }
+
+    fn add_sample(
+        &mut self,
+        erpt: &Erpt,
+        space: &PathSpace<'_>,
+        path: &mut Path,
+        settings: &PixelSettings,
+        cell: (u32, u32),
+    ) {
+        let mut sample = sample_of_film(space.sensor, settings, Purpose::DepositionEnergy, cell);
+        let camera = (sample.raster, &sample.ray);
+        erpt.tracing
+            .trace(space, path, camera, &mut sample.sampler, &mut |found| {
+                let luminance = found.luminance();
+                if !luminance.is_finite() {
+                    return;
+                }
+                self.image += luminance;
+                if erpt.goes_to_chains(found.edges) {
+                    self.chains += luminance;
+                }
+            });
+    }
+
+    /// Energy of a deposit such that a camera sample leads to a number of deposits in the mean.
+    ///
+    /// Falls back to the mean luminance of the image, and to one, where no energy was found.
+    ///
+    /// Source: Cline et al. 2005, Sec. 3.2.
+    pub(super) fn deposit(&self, mutations_per_sample: f64) -> f64 {
+        [self.chains, self.image, 1.0]
+            .into_iter()
+            .find(|energy| *energy > 0.0 && energy.is_finite())
+            .unwrap_or(1.0)
+            / mutations_per_sample
+    }
+}

@@ -1,0 +1,153 @@
+//! Energy redistribution path tracing.
+
+mod energy;
+mod noise_filter;
+mod render;
+mod walker;
+
+use super::Algorithm;
+use super::chains::MutationOptions;
+use super::path::depth_limit;
+use super::pixel::PixelSettings;
+use super::render::Integrator;
+use crate::energy::FlowRule;
+use crate::path::{PathRules, PathTracing};
+use crate::scene::Scene;
+use crate::scene::options::{OptionError, OptionReader};
+use crate::sensor::Sensor;
+use noise_filter::NoiseFilter;
+use render::ErptRender;
+
+/// Layers that are made on demand.
+pub(super) const OWN_LAYERS: &[&str] = &["proposals", "acceptance", "chains"];
+
+/// Path tracing finds paths; chains of mutations spread their energy over the image.
+///
+/// Source: Cline et al. 2005; van Antwerpen 2011, Sec. 6.8.
+#[derive(Clone, Copy, Debug)]
+pub struct Erpt {
+    tracing: PathTracing,
+    rules: PathRules,
+    mutations: MutationOptions,
+    flow: Flow,
+    /// Steps of a chain.
+    chain_length: u32,
+    /// Mutations for each camera sample, in the mean.
+    mutations_per_sample: f64,
+    /// Energy of a deposit; `None` to have it estimated.
+    deposition_energy: Option<f64>,
+    /// Camera samples of that estimate; `None` for some for each pixel.
+    luminance_samples: Option<u32>,
+    /// Largest number of chains of a seed.
+    chain_cap: u32,
+    /// Camera samples for each pixel and pass of the layer of direct light; `None` where chains carry
+    /// it, too.
+    direct_samples: Option<u32>,
+    noise_filter: NoiseFilter,
+}
+
+/// Which flow rule, with what belongs to it alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Flow {
+    Equal { expected: bool },
+    DetailedBalance,
+    Iterated { proposals: u32, depth: u32 },
+}
+
+impl Erpt {
+    /// Reads the options; the names of Mitsuba 0.6's element mean what they mean there.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
+        let tracing = PathTracing {
+            max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
+            rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
+            heuristic: super::heuristic(options)?,
+        };
+        let rules = PathRules {
+            hide_emitters: options.boolean("hide_emitters", false)?,
+            strict_normals: options.boolean("strict_normals", false)?,
+        };
+        let chain_length = options.integer("chain_length", 1..=1_000_000, 100)?;
+        let chains = options.float("num_chains", 1e-6..=1e6, 1.0)?;
+        let mutations_per_sample = options.float(
+            "mutations_per_sample",
+            1e-6..=1e9,
+            chains * chain_length as f64,
+        )?;
+        let deposition_energy = options.float("deposition_energy", 0.0..=f64::MAX, 0.0)?;
+        let luminance_samples = options.integer("luminance_samples", 0..=1 << 28, 0)?;
+        let cap = options.integer("max_chains", 0..=1 << 24, 1000)?;
+        Ok(Self {
+            tracing,
+            rules,
+            mutations: MutationOptions::from_options(options)?,
+            flow: flow(options)?,
+            chain_length: chain_length as u32,
+            mutations_per_sample,
+            deposition_energy: (deposition_energy > 0.0).then_some(deposition_energy),
+            luminance_samples: (luminance_samples > 0).then_some(luminance_samples as u32),
+            // Mitsuba's zero is no limit; ours changes the size of deposits, never the mean.
+            chain_cap: if cap == 0 { 1000 } else { cap as u32 },
+            direct_samples: direct_samples(options)?,
+            noise_filter: NoiseFilter::from_options(options)?,
+        })
+    }
+
+    /// The flow rule for deposits of a given energy.
+    fn flow_rule(&self, deposit: f64) -> FlowRule {
+        match self.flow {
+            Flow::Equal { expected } => FlowRule::EqualDeposition {
+                length: self.chain_length,
+                deposit,
+                cap: self.chain_cap,
+                expected,
+            },
+            Flow::DetailedBalance => FlowRule::DetailedBalance {
+                proposals: self.chain_length,
+            },
+            Flow::Iterated { proposals, depth } => FlowRule::IteratedDetailedBalance {
+                proposals,
+                depth,
+                threshold: deposit,
+            },
+        }
+    }
+}
+
+/// Reads the flow rule.
+fn flow(options: &mut OptionReader<'_>) -> Result<Flow, OptionError> {
+    let names = ["equal", "detailed", "iterated"];
+    let name = options.choice("flow", &names, "equal")?;
+    let expected = options.boolean("expected_values", true)?;
+    let proposals = options.integer("flow_proposals", 1..=64, 1)? as u32;
+    let depth = options.integer("flow_depth", 1..=24, 8)? as u32;
+    Ok(match name.as_str() {
+        "detailed" => Flow::DetailedBalance,
+        "iterated" => Flow::Iterated { proposals, depth },
+        _ => Flow::Equal { expected },
+    })
+}
+
+/// Reads whether direct light is estimated apart, and with how many samples.
+fn direct_samples(options: &mut OptionReader<'_>) -> Result<Option<u32>, OptionError> {
+    let is_separate = options.boolean("separate_direct", true)?;
+    let samples = options.integer("direct_samples", -1..=1 << 16, 16)?;
+    Ok((is_separate && samples > 0).then_some(samples.max(0) as u32))
+}
+
+impl Algorithm for Erpt {
+    fn start<'s>(
+        &'s self,
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        settings: PixelSettings,
+    ) -> Box<dyn Integrator + 's> {
+        Box::new(ErptRender::new(scene, sensor, self, settings))
+    }
+
+    fn own_layers(&self) -> &'static [&'static str] {
+        OWN_LAYERS
+    }
+}
