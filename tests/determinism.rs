@@ -9,7 +9,7 @@ use lumiflow::random::{Sampler, SamplerKind};
 use lumiflow::scene::Scene;
 use lumiflow::sensor::CameraRay;
 
-use crate::support::render::{integrator, run, settings};
+use crate::support::render::{integrator, pixel_integrator, run, settings};
 use crate::support::scenes::{cornell, cornell_camera};
 
 /// Width and height of the film; not a multiple of the block size.
@@ -110,7 +110,8 @@ fn an_integrator_that_knows_its_threads_is_found() {
     let scene = cornell(Mat4::IDENTITY);
     let sensor = cornell_camera(Mat4::IDENTITY, SIDE);
     let render = || {
-        let restless = Restless(integrator("path"), AtomicU32::new(0));
+        let restless = Restless(pixel_integrator("path"), AtomicU32::new(0));
+        let restless: Box<dyn PixelIntegrator> = Box::new(restless);
         bits(&run(&scene, &sensor, &restless, settings(1, SIDE), PASSES))
     };
     let one = on_threads(1, render);

@@ -4,17 +4,26 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
 use lumiflow::film::{Filter, Window};
-use lumiflow::integrator::{self, PixelIntegrator, PixelRender, PixelSettings, Rendered};
+use lumiflow::integrator::{self, Algorithm, PixelIntegrator, PixelSettings, Rendered};
 use lumiflow::math::Rgb;
 use lumiflow::math::statistics::sidak;
 use lumiflow::random::SamplerKind;
 use lumiflow::scene::Scene;
-use lumiflow::scene::options::{OptionReader, OptionValue, Options};
+use lumiflow::scene::options::{OptionError, OptionReader, OptionValue, Options};
 use lumiflow::sensor::Sensor;
 use statrs::function::beta::beta_reg;
 
 /// An integrator by name with options as on the command line: `path max_depth=5 mis=balance`.
-pub(crate) fn integrator(text: &str) -> Box<dyn PixelIntegrator> {
+pub(crate) fn integrator(text: &str) -> Box<dyn Algorithm> {
+    made_from(text, integrator::from_options)
+}
+
+/// As [`integrator`], for those that estimate one camera ray at a time.
+pub(crate) fn pixel_integrator(text: &str) -> Box<dyn PixelIntegrator> {
+    made_from(text, integrator::pixel_integrator)
+}
+
+fn made_from<T>(text: &str, make: fn(&str, &mut OptionReader<'_>) -> Result<T, OptionError>) -> T {
     let mut words = text.split(' ');
     let name = words.next().unwrap_or_default();
     let options: Options = words
@@ -22,7 +31,7 @@ pub(crate) fn integrator(text: &str) -> Box<dyn PixelIntegrator> {
         .map(|(key, value)| (key.to_owned(), OptionValue::parse(value)))
         .collect();
     let mut reader = OptionReader::new(&options);
-    let made = integrator::from_options(name, &mut reader).expect("the options are right");
+    let made = make(name, &mut reader).expect("the options are right");
     assert_eq!(reader.unused(), Vec::<String>::new(), "{text}");
     made
 }
@@ -38,6 +47,7 @@ pub(crate) fn settings(seed: u64, side: u32) -> PixelSettings {
         alpha: false,
         second_moment: false,
         aovs: Vec::new(),
+        own_layers: Vec::new(),
     }
 }
 
@@ -45,13 +55,13 @@ pub(crate) fn settings(seed: u64, side: u32) -> PixelSettings {
 pub(crate) fn run(
     scene: &Scene,
     sensor: &Sensor,
-    integrator: &dyn PixelIntegrator,
+    integrator: &dyn Algorithm,
     settings: PixelSettings,
     passes: u32,
 ) -> Rendered {
-    let render = PixelRender::new(scene, sensor, integrator, settings);
+    let render = integrator.start(scene, sensor, settings);
     integrator::render(
-        &render,
+        &*render,
         |_| true,
         &AtomicBool::default(),
         &Default::default(),
