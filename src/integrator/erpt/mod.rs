@@ -40,8 +40,8 @@ pub struct Erpt {
     luminance_samples: Option<u32>,
     /// Largest number of chains of a seed.
     chain_cap: u32,
-    /// Camera samples for each pixel and pass of the layer of direct light; `None` where chains carry
-    /// it, too.
+    /// Further camera samples for each pixel and pass of the layer of direct light; `None` where chains
+    /// carry it, too.
     direct_samples: Option<u32>,
     noise_filter: NoiseFilter,
 }
@@ -133,8 +133,8 @@ fn flow(options: &mut OptionReader<'_>) -> Result<Flow, OptionError> {
 /// Reads whether direct light is estimated apart, and with how many samples.
 fn direct_samples(options: &mut OptionReader<'_>) -> Result<Option<u32>, OptionError> {
     let is_separate = options.boolean("separate_direct", true)?;
-    let samples = options.integer("direct_samples", -1..=1 << 16, 16)?;
-    Ok((is_separate && samples > 0).then_some(samples.max(0) as u32))
+    let samples = options.integer("direct_samples", -1..=1 << 16, 0)?;
+    Ok((is_separate && samples >= 0).then_some(samples.max(0) as u32))
 }
 
 impl Algorithm for Erpt {
