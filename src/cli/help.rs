@@ -37,6 +37,18 @@ Examples:
   lumiflow compare cornell.exr reference.exr --variance cornell.exr \\
       --reference-variance reference_var.exr --mask lights.png -o error.png";
 
+/// Below the help of `bench`.
+pub(super) const BENCH_EXAMPLES: &str = "\
+Renders each scene with each integrator, budget and seed, and prints a table. Its efficiency is
+(relMSE - the reference's noise) x CPU seconds: for an unbiased integrator a constant, lower is
+better. Nothing else should run on the machine.
+
+Examples:
+  lumiflow bench scenes/*/scene.xml --time 5,20 --seeds 5 -o bench
+  lumiflow bench box.xml -i path,direct --set path.max_depth=2 --spp 64 --reference box-ref.exr
+
+Ctrl-C ends the render under way and prints what is complete; a second one ends at once.";
+
 /// What the options of the integrators mean.
 const OPTIONS: [(&str, &str); 8] = [
     (

@@ -9,6 +9,7 @@ use super::plan::Plan;
 use crate::image::Image;
 use crate::integrator::Rendered;
 use crate::output::{Record, Run};
+use crate::report::option_value;
 use crate::scene::import::{Imported, View};
 
 /// A finished render.
@@ -112,23 +113,10 @@ fn mean(image: &Image) -> [f64; 3] {
     })
 }
 
-/// Booleans and numbers as such.
-fn option_value(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image::Precision;
-
-    #[test]
-    fn options_keep_their_kinds() {
-        assert_eq!(option_value("true"), json!(true));
-        assert_eq!(option_value("-1"), json!(-1));
-        assert_eq!(option_value("0.5"), json!(0.5));
-        assert_eq!(option_value("power"), json!("power"));
-    }
 
     #[test]
     fn the_mean_is_over_all_pixels() {
