@@ -117,7 +117,7 @@ fn the_table_shows_what_some_integrators_tell_and_what_is_not_to_be_trusted() {
     let direct = cells(lines[3]);
     assert_eq!(
         (direct[6].as_str(), direct[9].as_str()),
-        ("! 1.50e-3", "1.1000")
+        ("! 0.00150", "1.1000")
     );
     for part in [
         "- box, small: 10 of 12 pixels count; the reference's noise is 1.00e-3.",
