@@ -120,7 +120,7 @@ fn the_table_shows_what_some_integrators_tell_and_what_is_not_to_be_trusted() {
         ("! 0.00150", "1.1000")
     );
     for part in [
-        "- box, small: 10 of 12 pixels count; the reference's noise is 1.00e-3.",
+        "- box, small: 10 of 12 pixels count; the reference's noise is 0.00100.",
         "- ! relMSE is below",
         "- Incomplete: 4 of 6 renders.",
     ] {
