@@ -62,7 +62,7 @@ impl SensorModel for ThinLens {
 
     #[inline]
     fn raster_at(&self, origin: Vec3, direction: Vec3) -> Option<Vec2> {
-        let local = self.pinhole.to_local(direction);
+        let local = self.pinhole.local(direction);
         (local.z > 0.0).then(|| {
             let slope = local.truncate() / local.z;
             self.pinhole.raster(slope + self.slope_lost(origin))
@@ -96,7 +96,7 @@ impl SensorModel for ThinLens {
 
     #[inline]
     fn lens_coordinates(&self, origin: Vec3) -> Vec2 {
-        let offset = self.pinhole.to_local(origin - self.pinhole.origin());
+        let offset = self.pinhole.local(origin - self.pinhole.origin());
         offset.truncate() / self.radius
     }
 }
@@ -140,9 +140,12 @@ mod tests {
         Vec2::new(0.6, 0.8),
     ];
 
-    /// Camera, raster position and numbers for the lens; origin and direction of `sample_ray`, read
-    /// off Mitsuba 3.9.1 (`scalar_rgb`, film of 200 × 100 pixels, near clip plane at 1e-9).
-    const RAYS: [(usize, [f32; 2], [f32; 2], [f32; 3], [f32; 3]); 6] = [
+    /// Camera, raster position and numbers for the lens; origin and direction of its ray.
+    type MitsubaRay = (usize, [f32; 2], [f32; 2], [f32; 3], [f32; 3]);
+
+    /// What `sample_ray` of Mitsuba 3.9.1 returns (`scalar_rgb`, film of 200 × 100 pixels, near clip
+    /// plane at 1e-9).
+    const RAYS: [MitsubaRay; 6] = [
         (
             0,
             [20.0, 20.0],
