@@ -27,10 +27,10 @@ pub(super) struct Loader<'t> {
     pub(super) environment: Option<ElementId>,
     /// The emitters that stand inside shapes, or that shapes refer to.
     pub(super) area_lights: HashSet<ElementId>,
-    /// Whether the material under construction depends on the direction of the tangent, and those
-    /// that do.
-    pub(super) anisotropic: bool,
-    pub(super) needs_tangents: HashSet<BsdfId>,
+    /// Whether the material under construction asks how positions change with texture coordinates,
+    /// and those that do.
+    pub(super) follows_coordinates: bool,
+    pub(super) needs_derivatives: HashSet<BsdfId>,
     hash: RefCell<Xxh3>,
 }
 
@@ -46,8 +46,8 @@ impl<'t> Loader<'t> {
             default_bsdf: None,
             environment: None,
             area_lights: HashSet::new(),
-            anisotropic: false,
-            needs_tangents: HashSet::new(),
+            follows_coordinates: false,
+            needs_derivatives: HashSet::new(),
             hash: RefCell::new(Xxh3::new()),
         }
     }

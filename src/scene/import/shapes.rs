@@ -56,9 +56,10 @@ impl Loader<'_> {
         };
         reader.finish();
         let Some(mut shape) = built else { return };
-        if let (Shape::TriangleMesh(mesh), true) = (&mut shape, self.needs_tangents.contains(&bsdf))
+        if let (Shape::TriangleMesh(mesh), true) =
+            (&mut shape, self.needs_derivatives.contains(&bsdf))
         {
-            mesh.follow_tangents();
+            mesh.follow_coordinates();
         }
         if let Err(error) = self.builder.add_shape(shape, bsdf, radiance) {
             self.problems.error(self.location(id), error.to_string());
