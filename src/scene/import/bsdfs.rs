@@ -47,14 +47,11 @@ impl Loader<'_> {
         built
     }
 
-    /// The material of shapes that name none.
-    pub(super) fn default_bsdf(&mut self) -> BsdfId {
-        if let Some(built) = self.default_bsdf {
-            return built;
-        }
-        let built = self.builder.add_bsdf(Diffuse::new(0.5));
-        self.default_bsdf = Some(built);
-        built
+    /// The material of shapes that name none: grey, or black for those that emit, as in Mitsuba.
+    pub(super) fn default_bsdf(&mut self, emits: bool) -> BsdfId {
+        let known = &mut self.default_bsdfs[usize::from(emits)];
+        let reflectance = if emits { 0.0 } else { 0.5 };
+        *known.get_or_insert_with(|| self.builder.add_bsdf(Diffuse::new(reflectance)))
     }
 
     fn build_bsdf(&mut self, id: ElementId) -> Bsdf {

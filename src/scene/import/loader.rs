@@ -22,7 +22,7 @@ pub(super) struct Loader<'t> {
     pub(super) textures: HashMap<ElementId, Option<Texture>>,
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
     /// The material of shapes that name none.
-    pub(super) default_bsdf: Option<BsdfId>,
+    pub(super) default_bsdfs: [Option<BsdfId>; 2],
     /// The light that surrounds the scene.
     pub(super) environment: Option<ElementId>,
     /// The emitters that stand inside shapes, or that shapes refer to.
@@ -43,7 +43,7 @@ impl<'t> Loader<'t> {
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             serialized: HashMap::new(),
-            default_bsdf: None,
+            default_bsdfs: [None; 2],
             environment: None,
             area_lights: HashSet::new(),
             follows_coordinates: false,

@@ -32,7 +32,7 @@ impl Loader<'_> {
         self.warn_of_media(&mut reader);
         let bsdf = match bsdfs.last() {
             Some(bsdf) => self.bsdf(*bsdf),
-            None => self.default_bsdf(),
+            None => self.default_bsdf(emitter.is_some()),
         };
         if bsdfs.len() > 1 {
             reader.warning(
