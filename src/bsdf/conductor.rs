@@ -67,7 +67,7 @@ impl BsdfModel for Conductor {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,

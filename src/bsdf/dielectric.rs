@@ -109,7 +109,7 @@ impl BsdfModel for Dielectric {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,

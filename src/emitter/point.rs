@@ -46,7 +46,7 @@ impl EmitterModel for Point {
         self.intensity.luminance() / (self.position - from).length_squared().max(1e-20)
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let distance_squared = edge.length_squared();

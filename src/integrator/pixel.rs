@@ -38,14 +38,29 @@ pub trait PixelIntegrator: Send + Sync {
 #[inline(always)]
 pub(super) fn first_surface<'s>(
     scene: &'s Scene,
-    mut ray: Ray,
+    ray: Ray,
     hide_emitters: bool,
+    counters: &mut Counters,
+) -> Option<Interaction<'s>> {
+    if hide_emitters {
+        return first_dark_surface(scene, ray, counters);
+    }
+    counters.rays += 1;
+    scene.intersect(&ray)
+}
+
+/// The first surface that does not emit. Out of line, so that the code of paths has one
+/// intersection in its loop.
+#[inline(never)]
+fn first_dark_surface<'s>(
+    scene: &'s Scene,
+    mut ray: Ray,
     counters: &mut Counters,
 ) -> Option<Interaction<'s>> {
     loop {
         counters.rays += 1;
         let hit = scene.intersect(&ray)?;
-        if !(hide_emitters && hit.emitter.is_some()) {
+        if hit.emitter.is_none() {
             return Some(hit);
         }
         let direction = ray.direction();

@@ -21,7 +21,7 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     /// The frame that materials write their directions in.
-    #[inline]
+    #[inline(always)]
     pub fn shading_frame(&self) -> Frame {
         if self.tangent == Vec3::ZERO {
             Frame::around(self.shading_normal)
