@@ -83,7 +83,7 @@ pub(super) fn unit_f32(number: u32) -> f32 {
 /// Ten rounds of Philox on four 32-bit words.
 ///
 /// Source: Salmon et al. 2011, Sec. 3.3.
-#[inline]
+#[inline(always)]
 fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     const MULTIPLIERS: [u64; 2] = [0xD251_1F53, 0xCD9E_8D57];
     const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
