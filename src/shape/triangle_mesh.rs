@@ -276,3 +276,26 @@ fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
         fallback
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::primitives;
+
+    #[test]
+    fn meshes_too_large_to_prepare_have_the_same_points() {
+        let mut mesh = TriangleMesh::from(primitives::cube());
+        let barycentrics = [(0.2, 0.3), (0.0, 0.5), (1e-7, 1e-7), (0.999_999, 0.0)];
+        let points = |mesh: &TriangleMesh| -> Vec<String> {
+            let triangles = 0..mesh.triangles().as_slice().len() as u32;
+            triangles
+                .flat_map(|index| barycentrics.map(|(b1, b2)| (index, Vec2::new(b1, b2))))
+                .map(|(index, b)| format!("{:?}", mesh.point(index, b)))
+                .collect()
+        };
+        assert!(!mesh.facets.is_empty());
+        let prepared = points(&mesh);
+        mesh.facets.clear();
+        assert_eq!(points(&mesh), prepared);
+    }
+}

@@ -203,13 +203,20 @@ impl CommittedScene {
 /// Whether Embree accepts the ray.
 ///
 /// Debian 12 compiles Embree with its assertions: it ends the process over a ray with
-/// not-a-number in it, where other builds visit the whole tree. Written without branches, and so
-/// that not-a-number fails.
+/// not-a-number in it, where other builds visit the whole tree. Written so that not-a-number
+/// fails.
 #[inline]
 fn is_traceable(ray: &Ray) -> bool {
-    let within = |[x, y, z]: [f32; 3]| {
-        let limit = VertexBuffer::LARGEST;
-        (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit)
-    };
-    within(ray.origin) & within(ray.direction) & (ray.near >= 0.0) & (ray.near <= ray.far)
+    let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+    // One comparison for nearly all rays: no coordinate is larger than the sum of all.
+    let sum = (x.abs() + y.abs() + z.abs()) + (dx.abs() + dy.abs() + dz.abs());
+    let is_within = sum <= VertexBuffer::LARGEST || all_within(ray);
+    is_within & (ray.near >= 0.0) & (ray.near <= ray.far)
+}
+
+/// Whether no coordinate is too large or not-a-number.
+#[cold]
+fn all_within(ray: &Ray) -> bool {
+    let mut coordinates = ray.origin.iter().chain(&ray.direction);
+    coordinates.all(|coordinate| coordinate.abs() <= VertexBuffer::LARGEST)
 }
