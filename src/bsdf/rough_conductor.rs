@@ -64,7 +64,7 @@ impl BsdfModel for RoughConductor {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -97,7 +97,7 @@ impl BsdfModel for RoughConductor {
     }
 
     /// The value is `F·D·G / (4 cos θ_i)`, the density the same without `F` and `G₁(wo)`.
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,

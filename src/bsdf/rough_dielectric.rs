@@ -106,7 +106,7 @@ impl BsdfModel for RoughDielectric {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -156,7 +156,7 @@ impl BsdfModel for RoughDielectric {
     /// The value is the density times `G₁(wo)`, the tint, and for radiance `(η_i / η_o)²`.
     ///
     /// Source: Walter 2007 (Jacobians of reflection and refraction); Veach 1997, Ch. 5 (radiance).
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,

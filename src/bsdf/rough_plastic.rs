@@ -170,7 +170,7 @@ impl BsdfModel for RoughPlastic {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -205,7 +205,7 @@ impl BsdfModel for RoughPlastic {
 
     /// The value is the coat's `F·D·G / (4 cos θ_i)` and the base's
     /// `ρ η⁻² / (1 − R) · T(wi) T(wo) cos θ_o / π`, where `R` is the coat's inner reflectance.
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,
