@@ -1,6 +1,6 @@
 //! Tori, balls and panels that a formula bends.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use super::mesh::Mesh;
 use super::vector::{Vec3, add, cross, length, mul, signed_power, smoothstep, sub, unit};
@@ -201,7 +201,7 @@ pub(super) fn relief_weave() -> Mesh {
             };
             let round = (1.0 - (place / 0.44).powi(4)).max(0.0).sqrt();
             if round > 0.0 {
-                0.03 * round + 0.022 * over * (PI * along - FRAC_PI_2 + PI).sin() * -1.0
+                0.03 * round - 0.022 * over * (PI * along).cos()
             } else {
                 -0.02
             }
