@@ -38,7 +38,10 @@ fn stored_meshes_are_those_that_are_made() {
         let bytes = fs::read(folder.join(format!("{name}.ply"))).expect(name);
         assert!(bytes.len() < 2 << 20, "{name} is large");
         total += bytes.len();
-        let made = parsed(&make().to_ply());
+        let made = make();
+        let triangles = made.triangles();
+        let made = parsed(&made.to_ply());
+        assert_eq!(made.indices.len(), triangles, "{name}");
         found.extend(difference(&made, &parsed(&bytes)).map(|what| format!("{name}: {what}")));
     }
     assert!(
