@@ -9,6 +9,7 @@ mod golden;
 mod hidden_emitters;
 mod import;
 mod layering;
+mod meshes;
 mod mitsuba_materials;
 mod reference;
 mod scales;
