@@ -257,7 +257,7 @@ fn chains_make_the_same_bits_on_any_number_of_threads() {
 fn shown<'r>(rendered: &'r Rendered, name: &str) -> &'r [f32] {
     let mut layers = rendered.layers.iter().zip(&rendered.means);
     let found = layers.find(|((layer, _), _)| layer.name == name);
-    &found.expect("the layer is made").1
+    found.expect("the layer is made").1
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Chains keep the energy of their seeds, whatever happens to them.
 
 use lumiflow::bsdf::{Conductor, Dielectric, Diffuse, Mask, Plastic, RelativeIor, TwoSided};
-use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
+use lumiflow::emitter::{Beam, Constant, Directional, Emitter, Point, Spot};
 use lumiflow::integrator::{Counters, Rendered};
 use lumiflow::math::{Mat4, Rgb, Vec2, Vec3};
 use lumiflow::path::{CAPACITY, Heuristic, Path, PathRules, PathSpace, PathTracing};
@@ -90,38 +90,20 @@ fn lit_views() -> Vec<View> {
     let place = Vec3::new(0.5, 2.5, 1.0);
     let turned = Mat4::from_rotation_x(std::f32::consts::FRAC_PI_2 + 0.3);
     let down = Mat4::from_translation(place) * turned;
-    let lights: [(&str, Box<dyn Fn(&mut SceneBuilder)>); 4] = [
-        (
-            "environment",
-            Box::new(|builder| {
-                builder.add_emitter(Constant::new(Rgb::new(0.5, 0.6, 0.8)));
-            }),
-        ),
-        (
-            "point light",
-            Box::new(move |builder| {
-                builder.add_emitter(Point::new(place, Rgb::grey(6.0)));
-            }),
-        ),
-        (
-            "spot light",
-            Box::new(move |builder| {
-                let spot = Spot::new(down, Rgb::grey(8.0), Beam::new(0.7), None);
-                builder.add_emitter(spot.expect("the light shines"));
-            }),
-        ),
-        (
-            "directional light",
-            Box::new(|builder| {
-                let sun = Directional::new(Vec3::new(-0.3, -1.0, -0.4), Rgb::grey(2.0));
-                builder.add_emitter(sun.expect("the light shines"));
-            }),
-        ),
+    let spot = Spot::new(down, Rgb::grey(8.0), Beam::new(0.7), None);
+    let sun = Directional::new(Vec3::new(-0.3, -1.0, -0.4), Rgb::grey(2.0));
+    let lights: [(&str, Emitter); 4] = [
+        ("environment", Constant::new(Rgb::new(0.5, 0.6, 0.8)).into()),
+        ("point light", Point::new(place, Rgb::grey(6.0)).into()),
+        ("spot light", spot.expect("the light shines").into()),
+        ("directional light", sun.expect("the light shines").into()),
     ];
     let mut views = views();
     views.extend(lights.into_iter().map(|(name, light)| View {
         name,
-        scene: still_life(light),
+        scene: still_life(|builder| {
+            builder.add_emitter(light);
+        }),
         sensor: still_life_camera(),
     }));
     views
