@@ -34,10 +34,16 @@ fn plastic(colour: Rgb) -> Bsdf {
 
 /// Bodies in a box that is open towards the camera, under a lamp of a quarter of its ceiling.
 ///
+/// - `strength`, `brightness`: factors on the lamp, and on the walls' colours: dark ones leave little indirect light
+///   but that of the bodies.
 /// - `floor`: its material; the walls are diffuse.
-fn booth(strength: f32, floor: impl Into<Bsdf>, bodies: impl IntoIterator<Item = Part>) -> Scene {
+fn booth(
+    (strength, brightness): (f32, f32),
+    floor: impl Into<Bsdf>,
+    bodies: impl IntoIterator<Item = Part>,
+) -> Scene {
     let [left, right, bottom, top, back, _front] = walls(Mat4::IDENTITY);
-    let wall = |colour: Rgb| Diffuse::new(colour);
+    let wall = |colour: Rgb| Diffuse::new(colour * brightness);
     let lamp = rectangle(
         Vec3::new(0.0, 0.95, 0.0),
         Vec3::X * 0.5,
@@ -53,6 +59,8 @@ fn booth(strength: f32, floor: impl Into<Bsdf>, bodies: impl IntoIterator<Item =
     ];
     scene(shell.into_iter().chain(bodies), |_| {})
 }
+
+const DARK: f32 = 0.2;
 
 fn grey_floor() -> Diffuse {
     Diffuse::new(Rgb::new(0.7, 0.7, 0.6))
@@ -82,14 +90,22 @@ pub(crate) fn indirect(side: u32) -> View {
 /// Light that a glass sphere gathers.
 pub(crate) fn glass_caustic(side: u32, strength: f32) -> View {
     let ball = part(sphere(Vec3::new(0.1, -0.55, 0.1), 0.4), glass());
-    view("glass sphere", booth(strength, grey_floor(), [ball]), side)
+    view(
+        "glass sphere",
+        booth((strength, DARK), grey_floor(), [ball]),
+        side,
+    )
 }
 
 /// Light that a mirror sphere sends to floor and walls.
 pub(crate) fn mirror_caustic(side: u32) -> View {
     let mirror = Conductor::new(None, Rgb::new(0.9, 0.8, 0.7));
     let ball = part(sphere(Vec3::new(-0.2, -0.5, -0.1), 0.5), mirror);
-    view("mirror sphere", booth(1.0, grey_floor(), [ball]), side)
+    view(
+        "mirror sphere",
+        booth((1.0, DARK), grey_floor(), [ball]),
+        side,
+    )
 }
 
 /// A diffuse body in a cube of glass: all of its light comes and goes through glass.
@@ -99,7 +115,11 @@ pub(crate) fn body_in_glass(side: u32) -> View {
         part(cuboid(middle, Vec3::splat(0.45)), glass()),
         part(sphere(middle, 0.3), Diffuse::new(Rgb::new(0.8, 0.6, 0.3))),
     ];
-    view("body in glass", booth(1.0, grey_floor(), bodies), side)
+    view(
+        "body in glass",
+        booth((1.0, DARK), grey_floor(), bodies),
+        side,
+    )
 }
 
 /// A sphere and a floor that scatter and mirror at once.
@@ -109,7 +129,7 @@ pub(crate) fn plastics(side: u32) -> View {
         plastic(Rgb::new(0.7, 0.2, 0.1)),
     );
     let floor = plastic(Rgb::grey(0.5));
-    view("plastic", booth(1.0, floor, [ball]), side)
+    view("plastic", booth((1.0, 1.0), floor, [ball]), side)
 }
 
 /// A mirror of few facets with normals as if it were round, and a rough one.
@@ -124,7 +144,11 @@ pub(crate) fn bumpy_mirror(side: u32) -> View {
             RoughConductor::new(roughness, None, 0.9),
         ),
     ];
-    view("bumpy mirror", booth(1.0, grey_floor(), bodies), side)
+    view(
+        "bumpy mirror",
+        booth((1.0, DARK), grey_floor(), bodies),
+        side,
+    )
 }
 
 /// Glass and a mirror out of focus.
@@ -138,7 +162,7 @@ pub(crate) fn out_of_focus(side: u32) -> View {
     ];
     View {
         name: "thin lens",
-        scene: booth(1.0, grey_floor(), bodies),
+        scene: booth((1.0, DARK), grey_floor(), bodies),
         sensor: thin_lens(FROM, TO, (42.0, side), (0.15, 3.0)),
     }
 }

@@ -84,6 +84,17 @@ pub(crate) fn image(rendered: &Rendered) -> Vec<Rgb> {
         .collect()
 }
 
+/// What a layer shows, without alpha.
+pub(crate) fn layer(rendered: &Rendered, name: &str) -> Vec<Rgb> {
+    let mut layers = rendered.layers.iter().zip(&rendered.means);
+    let found = layers.find(|((layer, _), _)| layer.name == name);
+    let ((layer, _), values) = found.expect("the layer is made");
+    values
+        .chunks(layer.channels.len())
+        .map(|pixel| Rgb::new(pixel[0], pixel[1], pixel[2]))
+        .collect()
+}
+
 /// One image of a scene, by the integrator that `text` describes.
 pub(crate) fn picture(
     scene: &Scene,
@@ -127,7 +138,7 @@ impl Replicas {
     /// Runs `render` with one seed after another.
     ///
     /// - `render`: a seed's values.
-    pub(crate) fn new(first_seed: u64, count: u64, render: impl Fn(u64) -> Vec<f64>) -> Self {
+    pub(crate) fn new(first_seed: u64, count: u64, render: impl FnMut(u64) -> Vec<f64>) -> Self {
         Self {
             values: (first_seed..first_seed + count).map(render).collect(),
         }
