@@ -3,6 +3,7 @@
 pub(crate) mod directions;
 pub(crate) mod effort;
 pub(crate) mod faulty;
+pub(crate) mod hard_scenes;
 pub(crate) mod materials;
 pub(crate) mod render;
 pub(crate) mod scenes;
