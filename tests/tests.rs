@@ -1,17 +1,22 @@
 //! All integration tests in one binary: one link step.
 
 mod agreement;
+mod balance;
 mod chi_square;
 mod cli;
+mod density_forms;
 mod determinism;
 mod furnace;
 mod golden;
 mod hidden_emitters;
 mod import;
+mod indifference;
 mod layering;
 mod mitsuba_materials;
+mod paths;
 mod reference;
 mod scales;
 mod scattering;
 mod sources;
 mod support;
+mod transitions;
