@@ -1,5 +1,6 @@
 //! The `lumiflow` command as a user meets it: arguments, exit codes, what it prints and writes.
 
+mod bench;
 mod compare;
 mod interrupt;
 mod render;
@@ -171,7 +172,7 @@ fn the_version_names_all_parts() {
 fn help_lists_commands_options_and_exit_codes() {
     let place = Place::new();
     let done = place.succeed(&["--help"]);
-    for part in ["render", "info", "convert", "compare", "143"] {
+    for part in ["render", "info", "convert", "compare", "bench", "143"] {
         assert!(done.stdout.contains(part), "{part}: {}", done.stdout);
     }
     let done = place.succeed(&["help", "render"]);

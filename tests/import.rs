@@ -332,6 +332,36 @@ fn lenses_are_read_in_both_spellings() {
 }
 
 #[test]
+fn bumps_are_read_and_incomplete_ones_refused() {
+    let board = "<texture type='checkerboard'/>";
+    let diffuse = "<bsdf type='diffuse'/>";
+    let bumps = |inside: &str| {
+        file_of(&format!(
+            "<shape type='rectangle'><bsdf type='bumpmap'>{inside}</bsdf></shape>"
+        ))
+    };
+    let whole = format!("{board}{diffuse}<float name='scale' value='2'/>");
+    check(&bumps(&whole), &[], "");
+    check(
+        &bumps(diffuse),
+        &[],
+        "scene.xml:3:25: bsdf \"bumpmap\" holds no texture",
+    );
+    check(
+        &bumps(board),
+        &[],
+        "scene.xml:3:25: bsdf \"bumpmap\" holds no material",
+    );
+    let flipped = "\n<boolean name='flip_invalid_normals' value='true'/>";
+    check(
+        &bumps(&format!("{whole}{flipped}")),
+        &[],
+        "scene.xml:4:1: warning: normals that lean away from the viewer are not flipped; they are \
+         black",
+    );
+}
+
+#[test]
 fn everything_unknown_is_named() {
     let scene = "<scene version='3.0.0'>
 <sensor type='perspektive'><sampler type='sobl'/>

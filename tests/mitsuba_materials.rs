@@ -3,12 +3,16 @@
 //! Provenance of the numbers: Mitsuba 3.9.1, variant `scalar_rgb`, `BSDF.eval` and `BSDF.sample`
 //! with `TransportMode.Radiance`; for Diracs weight times probability.
 
+use std::sync::Arc;
+
 use lumiflow::bsdf::{
-    Bsdf, BsdfError, BsdfModel, ComplexIor, Component, Conductor, Dielectric, Diffuse, Mask,
-    MicrofacetKind, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic,
-    Roughness, ThinDielectric, Transport, TwoSided,
+    Bsdf, BsdfError, BsdfModel, BumpMap, ComplexIor, Component, Conductor, Dielectric, Diffuse,
+    Mask, MicrofacetKind, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric,
+    RoughPlastic, Roughness, ThinDielectric, Transport, TwoSided,
 };
-use lumiflow::math::Rgb;
+use lumiflow::image::{self, Texels};
+use lumiflow::math::{Mat3, Rgb, Vec3};
+use lumiflow::texture::{self, Filter, Texture, Wrap};
 
 use crate::support::materials::{direction, surface_point};
 
@@ -269,5 +273,117 @@ fn rough_glass() -> Result<(), BsdfError> {
             [0.0; 3],
         ],
     );
+    Ok(())
+}
+
+/// Bumps on the skew coordinates of [`surface_point`].
+fn bumps() -> Texture {
+    let heights = vec![0.1, 0.25, 0.4, 0.35, 0.8, 0.2];
+    let image = image::Bitmap::new(3, 2, 1, Texels::Float(heights)).expect("3 × 2 heights");
+    let (filter, wrap) = (Filter::Bilinear, Wrap::Repeat);
+    texture::Bitmap::new(Arc::new(image), filter, wrap, Mat3::IDENTITY).into()
+}
+
+/// With `flip_invalid_normals` off.
+#[test]
+fn bumps_of_finite_lobes() -> Result<(), BsdfError> {
+    let values = [
+        [0.280675, 0.0623721, 0.0311861],
+        [0.1979, 0.0439777, 0.0219889],
+        [0.0; 3],
+        [0.0; 3],
+        [0.0; 3],
+    ];
+    let red = |scale, shadowing| BumpMap::new(bumps(), scale, shadowing, Diffuse::new(RED));
+    check_values(red(0.5, true), ROUNDING, values);
+    check_values(TwoSided::new(red(0.5, true), None)?, ROUNDING, values);
+    check_values(red(4.0, true), ROUNDING, [[0.0; 3]; 5]);
+    check_values(
+        red(0.5, false),
+        ROUNDING,
+        [
+            [0.281704, 0.0626008, 0.0313004],
+            [0.199987, 0.0444416, 0.0222208],
+            [0.0; 3],
+            [0.0; 3],
+            [0.0; 3],
+        ],
+    );
+    let metal = RoughConductor::new(
+        Roughness::new(MicrofacetKind::Ggx, 0.1, 0.5),
+        Some(GOLD),
+        1.0,
+    );
+    check_values(
+        BumpMap::new(bumps(), 0.3, true, metal),
+        ROUNDING,
+        [
+            [0.087548, 0.0726339, 0.029618],
+            [0.651558, 0.542288, 0.239047],
+            [0.00717935, 0.0059561, 0.00244975],
+            [0.0; 3],
+            [0.0; 3],
+        ],
+    );
+    let roughness = Roughness::isotropic(MicrofacetKind::Ggx, 0.3);
+    let glass = RoughDielectric::new(roughness, ior(1.5, 1.0)?, 1.0, 1.0)?;
+    check_values(
+        BumpMap::new(bumps(), 0.3, true, glass),
+        ROUNDING,
+        [
+            [0.0208111; 3],
+            [0.0560726; 3],
+            [0.00381059; 3],
+            [1.65973; 3],
+            [0.0610939; 3],
+        ],
+    );
+    Ok(())
+}
+
+#[test]
+fn bumps_seen_from_behind() -> Result<(), BsdfError> {
+    let bump = |nested: Bsdf| BumpMap::new(bumps(), 0.5, true, nested);
+    let red = || Bsdf::from(Diffuse::new(RED));
+    let around = TwoSided::new(bump(red()), None)?;
+    let inside = bump(TwoSided::new(red(), None)?.into());
+    let (wi, wo) = (direction(130.0, 50.0), direction(150.0, 200.0));
+    for (bsdf, value) in [
+        (Bsdf::from(around), [0.283948, 0.0630997, 0.0315498]),
+        (inside.into(), [0.160511, 0.0356692, 0.0178346]),
+    ] {
+        let found = bsdf.eval(wi, wo, &surface_point(), Transport::Radiance);
+        let error = (found - Rgb::from(value)).0.abs().max_element();
+        assert!(error < ROUNDING, "{found:?}, not {value:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn bumpy_mirrors_and_glass() -> Result<(), BsdfError> {
+    let bump = |nested: Bsdf| BumpMap::new(bumps(), 0.3, true, nested);
+    let mirror = bump(Conductor::new(None, 1.0).into());
+    check_diracs(mirror.clone(), [&[[0.883699; 3]], &[]]);
+    let glass = bump(Dielectric::new(ior(1.5, 1.0)?, 1.0, 1.0).into());
+    check_diracs(
+        glass.clone(),
+        [
+            &[[0.11485; 3], [0.38652; 3]],
+            &[[0.0766497; 3], [2.02094; 3]],
+        ],
+    );
+    for (bsdf, angle, component, expected) in [
+        (mirror, 50.0, 0, [-0.91547, -0.37961, 0.13348]),
+        (glass.clone(), 50.0, 1, [-0.35347, -0.09866, -0.93023]),
+        (glass.clone(), 130.0, 0, [-0.31910, -0.02108, -0.94749]),
+        (glass, 130.0, 1, [-0.91064, -0.29132, 0.29303]),
+    ] {
+        let wi = direction(angle, 20.0);
+        let (at, component) = (surface_point(), Component(component));
+        let event = bsdf.follow(wi, &at, Transport::Radiance, component);
+        let found = event.expect("the component exists").direction.0;
+        let error = (found - Vec3::from_array(expected)).length();
+        assert!(error < ROUNDING, "{found}, not {expected:?}");
+    }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! What every material must fulfil besides its density: samples agree with `eval`, Diracs with
 //! `follow`, no energy is made, and light goes both ways.
 
-use lumiflow::bsdf::{Bsdf, BsdfModel, Component, DiracEvent, Transport};
+use lumiflow::bsdf::{Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, Transport};
 use lumiflow::math::statistics::{chi_square_p, sidak, two_sided_p};
 use lumiflow::math::{Local, Rgb, Vec2};
 use lumiflow::random::{Purpose, Stream};
@@ -9,7 +9,9 @@ use lumiflow::random::{Purpose, Stream};
 use crate::support::directions::Cells;
 use crate::support::effort::{level, samples, seed};
 use crate::support::faulty::{Fault, Faulty};
-use crate::support::materials::{Case, TRANSPORTS, cases, direction, numbers, surface_point};
+use crate::support::materials::{
+    Case, TRANSPORTS, cases, direction, numbers, spread, surface_point,
+};
 
 /// Outcome of a check; the text says what is wrong.
 type Outcome = Result<(), String>;
@@ -124,41 +126,61 @@ fn selection_p(
     }
 }
 
+/// What of light is summed up.
+#[derive(Clone, Copy)]
+enum Quantity {
+    /// What a path carries.
+    Carried(Transport),
+    /// Radiance without its concentration in denser substances.
+    Power,
+}
+
 /// Share of light from `wi` that leaves in some channels: by quadrature of `eval`, plus the Dirac
 /// coefficients.
 fn scattered<const N: usize>(
     bsdf: &dyn BsdfModel,
     wi: Local,
-    transport: Transport,
+    quantity: Quantity,
     channels: [usize; N],
     stream: &mut Stream,
 ) -> [f64; N] {
     let at = surface_point();
+    let (transport, is_power) = match quantity {
+        Quantity::Carried(transport) => (transport, false),
+        Quantity::Power => (Transport::Radiance, true),
+    };
+    let share = |eta: f32| if is_power { 1.0 / (eta * eta) } else { 1.0 };
     let dirac: Rgb = events(bsdf, wi, transport)
         .iter()
-        .map(|(_, event)| event.coefficient)
+        .map(|(_, event)| event.coefficient * share(event.eta))
         .sum();
     if !bsdf.lobes().finite {
         return channels.map(|channel| f64::from(dirac[channel]));
     }
-    let pilot: Vec<Local> = (0..2000)
+    let pilot: Vec<BsdfSample> = (0..2000)
         .filter_map(|_| {
             let (u_lobe, u) = numbers(stream);
             let sample = bsdf.sample(wi, &at, transport, u_lobe, u)?;
-            (!sample.lobe.is_dirac()).then_some(sample.direction)
+            (!sample.lobe.is_dirac()).then_some(sample)
         })
         .collect();
-    let cells = Cells::around(pilot);
+    let through = pilot.iter().find(|s| !wi.same_side(s.direction));
+    let behind = through.map_or(1.0, |sample| share(sample.eta));
+    let cells = Cells::around(pilot.iter().map(|sample| sample.direction));
     channels.map(|channel| {
-        let value = |wo| f64::from(bsdf.eval(wi, wo, &at, transport)[channel]);
+        let value = |wo: Local| {
+            let share = if wi.same_side(wo) { 1.0 } else { behind };
+            f64::from(bsdf.eval(wi, wo, &at, transport)[channel] * share)
+        };
         cells.integral(value) + f64::from(dirac[channel])
     })
 }
 
-/// No channel sends out more than it gets, carried as importance: power is that, without the
-/// concentration of radiance.
+/// No channel sends out more power than it gets.
+///
+/// Importance is no measure of it: at a bump, as at any shading normal, it can grow.
 fn no_energy_is_made(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Outcome {
-    let scattered = scattered(bsdf, wi, Transport::Importance, [0, 1, 2], stream);
+    let scattered = scattered(bsdf, wi, Quantity::Power, [0, 1, 2], stream);
     claim(scattered.iter().all(|s| *s <= 1.0 + 1e-3), || {
         format!("scatters {scattered:?}")
     })
@@ -175,7 +197,7 @@ fn mean_weight_p(
     const QUADRATURE: f64 = 2e-4;
     let count = samples(10_000);
     let at = surface_point();
-    let [exact] = scattered(bsdf, wi, transport, [0], stream);
+    let [exact] = scattered(bsdf, wi, Quantity::Carried(transport), [0], stream);
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..count {
         let (u_lobe, u) = numbers(stream);
@@ -193,8 +215,10 @@ fn mean_weight_p(
 
 /// Importance from `wi` to `wo` is scattered as radiance from `wo` to `wi`.
 ///
-/// `f*(wi → wo) = f(wo → wi)`; a Dirac's coefficient gains the ratio of the projected solid angles,
-/// `(η_i / η_o)²`.
+/// `f*(wi → wo) = f(wo → wi)`. A Dirac's `f` is its coefficient over `|cos θ_o|`, and turning the
+/// δ of `wi` into one of `wo` takes the ratio of their cones. Where the shading normal is that of the
+/// material this leaves coefficients apart by the ratio of the projected solid angles,
+/// `(η_i / η_o)²`; at a bump their cosines differ as well.
 ///
 /// Source: Veach 1997, Ch. 3 and 5.
 fn light_goes_both_ways(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Outcome {
@@ -216,7 +240,11 @@ fn light_goes_both_ways(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) ->
                 .ok_or("a Dirac has no way back")?;
             let apart = back.direction.0.distance(wi.0);
             claim(apart < 1e-3, || format!("the way back is {apart} off"))?;
-            (sample.value, back.coefficient * (sample.eta * sample.eta))
+            let Some(spread) = spread(bsdf, wi, sample.component) else {
+                continue;
+            };
+            let there = sample.value / wo.abs_cos();
+            (there, back.coefficient * (spread / wi.abs_cos()))
         } else {
             let there = bsdf.eval(wi, wo, &at, Transport::Importance) / wo.abs_cos();
             let back = bsdf.eval(wo, wi, &at, Transport::Radiance) / wi.abs_cos();
@@ -252,8 +280,8 @@ fn diracs_are_selected_with_their_probabilities() {
 #[test]
 fn no_material_makes_energy() {
     check_all(23, |case| match case.transport {
-        Transport::Importance => no_energy_is_made(&case.bsdf, case.wi, &mut case.stream),
-        Transport::Radiance => Ok(()),
+        Transport::Radiance => no_energy_is_made(&case.bsdf, case.wi, &mut case.stream),
+        Transport::Importance => Ok(()),
     });
 }
 
@@ -285,6 +313,8 @@ fn nothing_breaks_at_the_edges() {
     }
     views.extend([Local::NORMAL, Local::NORMAL.flipped(), direction(60.0, 0.0)]);
     for bsdf in Bsdf::examples() {
+        // Where a bump leans to a slanted light, importance grows without bound; radiance does not.
+        let leans = format!("{bsdf:?}").contains("BumpMap");
         for (wi, transport) in views.iter().flat_map(|wi| TRANSPORTS.map(|t| (*wi, t))) {
             for wo in &views {
                 let (value, density) = bsdf.eval_with_density(wi, *wo, &at, transport);
@@ -302,7 +332,13 @@ fn nothing_breaks_at_the_edges() {
                 if let Some(sample) = bsdf.sample(wi, &at, transport, u_lobe, u) {
                     let weight = sample.weight;
                     assert!(
-                        weight.is_finite() && weight.max_channel() < 20.0 && sample.density > 0.0,
+                        weight.is_finite() && sample.density > 0.0,
+                        "{} {wi:?} {u_lobe} {u}: {sample:?}",
+                        bsdf.name()
+                    );
+                    let may_grow = leans && transport == Transport::Importance;
+                    assert!(
+                        may_grow || weight.max_channel() < 20.0,
                         "{} {wi:?} {u_lobe} {u}: {sample:?}",
                         bsdf.name()
                     );
@@ -343,8 +379,8 @@ fn planted_errors_are_found() {
         let p = selection_p(&selection, wi, radiance, stream);
         assert!(p.is_some_and(|p| p < 1e-3), "{p:?}");
     }
-    for name in ["Dielectric", "RoughDielectric"] {
-        let flat = faulty(name, Fault::EtaSquared);
-        assert!(light_goes_both_ways(&flat, wi, stream).is_err());
+    for name in ["Dielectric", "RoughDielectric", "BumpMap"] {
+        let one_transport = faulty(name, Fault::EtaSquared);
+        assert!(light_goes_both_ways(&one_transport, wi, stream).is_err());
     }
 }

@@ -1,8 +1,8 @@
 //! A material with holes.
 
 use super::{
-    Bsdf, BsdfModel, BsdfSample, Component, Dielectric, Diffuse, DiracEvent, Lobe, LobeSet,
-    Plastic, Transport,
+    Bsdf, BsdfModel, BsdfSample, BumpMap, Component, Dielectric, Diffuse, DiracEvent, Lobe,
+    LobeSet, Plastic, Transport,
 };
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
@@ -70,11 +70,14 @@ impl BsdfModel for Mask {
     fn examples() -> Vec<Self> {
         let glass = Dielectric::examples().into_iter().take(1);
         let coat = Plastic::examples().into_iter().take(1);
+        // The third: mirroring bumps.
+        let bumps = BumpMap::examples().into_iter().skip(2).take(1);
         [0.0, 0.3, 1.0]
             .into_iter()
             .map(|opacity| Self::new(opacity, Diffuse::new(0.7)))
             .chain(coat.map(|coat| Self::new(Rgb::new(0.9, 0.5, 0.2), coat)))
             .chain(glass.map(|glass| Self::new(0.6, glass)))
+            .chain(bumps.map(|bumps| Self::new(0.6, bumps)))
             .collect()
     }
 

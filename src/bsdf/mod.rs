@@ -14,6 +14,7 @@
 //! A new model is a file, a line in `bsdf_models!` and an arm in the importer. The tests pick it up
 //! from its [`BsdfModel::examples`].
 
+mod bump_map;
 mod coat;
 mod conductor;
 mod conductor_presets;
@@ -33,6 +34,7 @@ mod rough_plastic;
 mod thin_dielectric;
 mod two_sided;
 
+pub use bump_map::BumpMap;
 pub use conductor::Conductor;
 pub use conductor_presets::{conductor, conductor_names};
 pub use dielectric::Dielectric;
@@ -346,6 +348,8 @@ bsdf_models! {
     Plastic,
     /// A diffuse base under a rough coat.
     RoughPlastic,
+    /// A material on bumps.
+    BumpMap,
     /// A material with holes.
     Mask,
     /// No surface.

@@ -1,8 +1,8 @@
 //! One material for each side of a surface.
 
 use super::{
-    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, Conductor, Diffuse, DiracEvent, LobeSet,
-    Plastic, RoughConductor, Transport,
+    Bsdf, BsdfError, BsdfModel, BsdfSample, BumpMap, Component, Conductor, Diffuse, DiracEvent,
+    LobeSet, Plastic, RoughConductor, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -83,6 +83,10 @@ impl BsdfModel for TwoSided {
                 RoughConductor::examples().pop().map(Bsdf::from),
             ),
         ];
+        let bumps = BumpMap::examples().into_iter().map(|bumps| {
+            let back = RoughConductor::examples().pop().map(Bsdf::from);
+            (bumps.into(), back)
+        });
         let coats = Plastic::examples().into_iter().map(|plastic| {
             let front = Conductor::new(None, 0.9);
             (front.into(), Some(Bsdf::from(plastic)))
@@ -90,6 +94,8 @@ impl BsdfModel for TwoSided {
         front_and_back
             .into_iter()
             .chain(coats)
+            // The second and third: diffuse and mirroring bumps.
+            .chain(bumps.skip(1).take(2))
             .filter_map(|(front, back)| Self::new(front, back).ok())
             .collect()
     }

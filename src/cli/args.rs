@@ -4,9 +4,13 @@
     reason = "the comments of fields are the help, which shows backticks as they are"
 )]
 
+mod bench;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub(super) use bench::{BenchArgs, BenchEffort};
 
 use super::help;
 
@@ -43,6 +47,9 @@ pub(super) enum Command {
     /// Measure how far an image is from a reference
     #[command(after_help = help::COMPARE_EXAMPLES)]
     Compare(Box<CompareArgs>),
+    /// Race integrators against references: error, time, and efficiency over several seeds
+    #[command(after_help = help::BENCH_EXAMPLES)]
+    Bench(Box<BenchArgs>),
 }
 
 impl Command {
@@ -53,6 +60,7 @@ impl Command {
             Self::Info(_) => "info",
             Self::Convert(_) => "convert",
             Self::Compare(_) => "compare",
+            Self::Bench(_) => "bench",
         }
     }
 }

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::args::{CompareArgs, Crop};
+use super::args::CompareArgs;
 use super::console::print_line;
 use super::failure::{Failure, sizes_differ};
 use super::outputs::check_file;
-use crate::image::{ImageError, read_bitmap, read_exr, write_png};
-use crate::math::Rgb;
+use super::pictures::{cropped, pixels, variance};
+use crate::image::{ImageError, write_png};
 use crate::output::FileKind;
 use crate::report::{
     Comparison, Pixels, Subject, TileScores, compare, heat_map, mean_flip, tile_scores,
@@ -103,21 +103,7 @@ impl Reader<'_> {
         if size != self.size {
             return Err(sizes_differ(&self.args.image, self.size, path, size));
         }
-        let Some(Crop {
-            x,
-            y,
-            width,
-            height,
-        }) = self.args.crop
-        else {
-            return Ok(image);
-        };
-        image.crop(x, y, width, height).ok_or_else(|| {
-            Failure::Usage(format!(
-                "--crop {x},{y},{width},{height} reaches beyond the {}x{} pixels of the images",
-                size.0, size.1
-            ))
-        })
+        cropped(image, self.args.crop)
     }
 
     fn optional(
@@ -127,34 +113,6 @@ impl Reader<'_> {
     ) -> Result<Option<Pixels>, Failure> {
         path.map(|path| self.fit(read(path)?, path)).transpose()
     }
-}
-
-/// The colours of an image of any kind.
-fn pixels(path: &Path) -> Result<Pixels, ImageError> {
-    let bitmap = read_bitmap(path)?;
-    let (width, height) = (bitmap.width(), bitmap.height());
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    Ok(Pixels {
-        width,
-        height,
-        colours: places.map(|(x, y)| bitmap.rgb(x, y)).collect(),
-    })
-}
-
-/// Variances: the layer of that name, or else the colours.
-fn variance(path: &Path) -> Result<Pixels, ImageError> {
-    let is_exr = FileKind::of(path) == Some(FileKind::Exr);
-    if is_exr {
-        let image = read_exr(path)?;
-        if let Some(colours) = image.rgb("variance") {
-            return Ok(Pixels {
-                width: image.width(),
-                height: image.height(),
-                colours: colours.into_iter().map(Rgb::from).collect(),
-            });
-        }
-    }
-    pixels(path)
 }
 
 impl Findings {

@@ -37,8 +37,20 @@ Examples:
   lumiflow compare cornell.exr reference.exr --variance cornell.exr \\
       --reference-variance reference_var.exr --mask lights.png -o error.png";
 
+/// Below the help of `bench`.
+pub(super) const BENCH_EXAMPLES: &str = "\
+Renders each scene with each integrator, budget and seed, and prints a table. Its efficiency is
+(relMSE - the reference's noise) x CPU seconds: for an unbiased integrator a constant, lower is
+better. Nothing else should run on the machine.
+
+Examples:
+  lumiflow bench scenes/*/scene.xml --time 5,20 --seeds 5 -o bench
+  lumiflow bench box.xml -i path,direct --set path.max_depth=2 --spp 64 --reference box-ref.exr
+
+Ctrl-C ends the render under way and prints what is complete; a second one ends at once.";
+
 /// What the options of the integrators mean.
-const OPTIONS: [(&str, &str); 8] = [
+const OPTIONS: &[(&str, &str)] = &[
     (
         "max_depth",
         "longest path in edges; 1 shows lights only, -1 is no limit",
@@ -67,6 +79,118 @@ const OPTIONS: [(&str, &str); 8] = [
     (
         "bsdf_samples",
         "directions of the material for each camera sample",
+    ),
+    (
+        "chain_length",
+        "mutations of a chain, m (Mitsuba: chainLength)",
+    ),
+    (
+        "num_chains",
+        "chains for each camera sample in the mean, sets K to that times m; 0 leaves K (Mitsuba: numChains)",
+    ),
+    (
+        "mutations_per_sample",
+        "mutations for each camera sample in the mean, K: sets the energy of a deposit",
+    ),
+    (
+        "deposition_energy",
+        "energy of a deposit as luminance; 0 estimates it",
+    ),
+    (
+        "luminance_samples",
+        "camera samples of that estimate; 0 takes four a pixel (Mitsuba: luminanceSamples)",
+    ),
+    (
+        "max_chains",
+        "most chains of one path; beyond, deposits grow (Mitsuba: maxChains)",
+    ),
+    (
+        "flow",
+        "how energy flows: equal (deposition), detailed or iterated (detailed balance)",
+    ),
+    (
+        "expected_values",
+        "equal deposition at both states of a step, not only where it ends",
+    ),
+    (
+        "flow_proposals",
+        "proposals of each application of iterated detailed balance",
+    ),
+    (
+        "flow_depth",
+        "how often detailed balance is applied to its own results",
+    ),
+    (
+        "separate_direct",
+        "light of one bounce by path tracing, in a layer of its own",
+    ),
+    (
+        "direct_samples",
+        "further samples a pixel and pass for that layer (Mitsuba: directSamples; -1: none)",
+    ),
+    (
+        "mutation_choice",
+        "rule takes one by the kind of path, mixture any that applies",
+    ),
+    (
+        "lens_perturbation",
+        "move paths on the image (Mitsuba: lensPerturbation)",
+    ),
+    (
+        "multi_chain_perturbation",
+        "and turn directions before mirrors and glass (Mitsuba: multiChainPerturbation)",
+    ),
+    (
+        "lai_lens_perturbation",
+        "and keep what is hit first behind a diffuse surface",
+    ),
+    (
+        "caustic_perturbation",
+        "turn light before it reaches what is seen (Mitsuba: causticPerturbation)",
+    ),
+    ("lens_weight", "weight of the mutation where several apply"),
+    (
+        "multi_chain_weight",
+        "weight of the mutation where several apply",
+    ),
+    (
+        "lai_lens_weight",
+        "weight of the mutation where several apply",
+    ),
+    (
+        "caustic_weight",
+        "weight of the mutation where several apply",
+    ),
+    (
+        "lens_shape",
+        "moves on the image: uniform in a square or disk, or with a uniform logarithm (log)",
+    ),
+    (
+        "lens_size",
+        "side of the square, radius of the disk, largest distance; in pixels",
+    ),
+    ("lens_smallest", "smallest distance of log, in pixels"),
+    (
+        "lens_aperture",
+        "largest move on a thin lens, in radii of it",
+    ),
+    ("angle_smallest", "smallest angle of turns, in radians"),
+    ("angle_largest", "largest angle of turns, in radians"),
+    (
+        "caustic_pixels",
+        "uniform caustic moves of so many pixels; 0 takes turns as elsewhere",
+    ),
+    (
+        "proposal_filter",
+        "biased, in layer filtered: even out numbers of proposals by box, median or luminance",
+    ),
+    (
+        "proposal_filter_size",
+        "side of its neighbourhood in pixels",
+    ),
+    (
+        "consecutive_limit",
+        "biased, in layer filtered: drop energy after so many steps on one pixel; 0 is off",
     ),
 ];
 

@@ -3,16 +3,19 @@
 //! Images go to files, results to stdout, and everything else to stderr.
 
 mod args;
+mod bench;
 mod budget;
 mod compare;
 mod console;
 mod convert;
+mod execute;
 mod failure;
 mod help;
 mod info;
 mod monitor;
 mod notes;
 mod outputs;
+mod pictures;
 mod plan;
 mod render;
 mod scenes;
@@ -79,6 +82,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Info(args) => info::run(args).map(|()| 0),
         Command::Convert(args) => convert::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args).map(|()| 0),
+        Command::Bench(args) => bench::run(args),
     };
     finish(command.name(), result)
 }

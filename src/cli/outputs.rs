@@ -72,7 +72,7 @@ pub(super) fn check_file(file: &Path) -> Result<(), Failure> {
 }
 
 /// Name of a scene: that of its file without extension; the folder's for a file called `scene`.
-fn scene_name(scene: &Path) -> String {
+pub(super) fn scene_name(scene: &Path) -> String {
     let text = |part: &std::ffi::OsStr| part.to_string_lossy().into_owned();
     let stem = scene.file_stem().map_or_else(String::new, text);
     if !stem.eq_ignore_ascii_case("scene") {

@@ -1,15 +1,12 @@
 //! What a scene's render will do: the scene's wishes and the arguments, brought together.
 
-use std::time::Duration;
-
-use super::args::{FilterName, RenderArgs};
-use super::budget::Goal;
+use super::args::FilterName;
 use super::failure::Failure;
 use super::notes::Notes;
 use crate::film::{Filter, FilterKind};
 use crate::integrator::{self, Algorithm, Aov};
+use crate::scene::import::IntegratorRequest;
 use crate::scene::import::xml::{Diagnostic, Name, Severity, did_you_mean};
-use crate::scene::import::{IntegratorRequest, View};
 use crate::scene::options::{OptionError, OptionReader, OptionValue, Options};
 
 /// Used where a scene names no integrator, or one that we do not have.
@@ -37,6 +34,17 @@ pub(super) struct Plan {
     pub(super) variance: bool,
 }
 
+/// What the arguments wish of a scene's render.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wish<'a> {
+    /// Name of the integrator; `None` leaves it to the scene.
+    pub(super) integrator: Option<&'a str>,
+    /// Options of the integrator, the last one wins.
+    pub(super) settings: &'a [(String, String)],
+    /// Names of further layers.
+    pub(super) layers: &'a [String],
+}
+
 /// An integrator's name, and where its options come from.
 struct Choice<'r> {
     name: &'r str,
@@ -50,12 +58,12 @@ impl Plan {
     /// # Errors
     /// Names and values that the command line has wrong, and values that the scene has wrong.
     pub(super) fn new(
-        args: &RenderArgs,
+        wish: &Wish<'_>,
         request: &IntegratorRequest,
         notes: &mut Notes,
     ) -> Result<Self, Failure> {
-        let choice = choose(args, request);
-        let given: Options = args
+        let choice = choose(wish, request);
+        let given: Options = wish
             .settings
             .iter()
             .map(|(key, value)| (Name::new(key).normalised, OptionValue::parse(value)))
@@ -84,14 +92,14 @@ impl Plan {
         let options: Vec<_> = used
             .map(|(name, value)| (name.clone(), value.to_string()))
             .collect();
-        if choice.stands_in && args.integrator.is_none() {
+        if choice.stands_in && wish.integrator.is_none() {
             note_replacement(request, choice.name, &options, notes);
         }
         let NamedLayers {
             mut aovs,
             own_layers,
             variance,
-        } = named_layers(&args.aov)?;
+        } = named_layers(wish.layers)?;
         let made = integrator.own_layers();
         if let Some(name) = own_layers
             .iter()
@@ -116,8 +124,8 @@ impl Plan {
 ///
 /// # Errors
 /// [`Failure::Usage`] for an integrator or a layer that does not exist.
-pub(super) fn check_names(args: &RenderArgs) -> Result<(), Failure> {
-    if let Some(name) = args.integrator.as_deref().filter(|name| !is_known(name)) {
+pub(super) fn check_names(wish: &Wish<'_>) -> Result<(), Failure> {
+    if let Some(name) = wish.integrator.filter(|name| !is_known(name)) {
         let known = integrator::NAMES.map(|(known, _)| known);
         let hint = did_you_mean(name, known);
         let known = known.join(", ");
@@ -125,18 +133,7 @@ pub(super) fn check_names(args: &RenderArgs) -> Result<(), Failure> {
             "unknown integrator \"{name}\"{hint}; there are {known}"
         )));
     }
-    named_layers(&args.aov).map(|_| ())
-}
-
-/// How long to render.
-pub(super) fn goal(args: &RenderArgs, view: &View) -> Goal {
-    match args.effort.time {
-        Some(seconds) => Goal::Time(Duration::from_secs_f64(seconds)),
-        None => {
-            let count = args.effort.spp.or(args.effort.passes);
-            Goal::Passes(count.unwrap_or(view.sample_count).max(1))
-        }
-    }
+    named_layers(wish.layers).map(|_| ())
 }
 
 /// The filter that the arguments ask for.
@@ -158,10 +155,10 @@ fn is_known(name: &str) -> bool {
     integrator::NAMES.iter().any(|(known, _)| *known == name)
 }
 
-fn choose<'r>(args: &'r RenderArgs, request: &'r IntegratorRequest) -> Choice<'r> {
+fn choose<'r>(wish: &Wish<'r>, request: &'r IntegratorRequest) -> Choice<'r> {
     let wanted = request.name.as_str();
-    let (name, stands_in) = match &args.integrator {
-        Some(name) => (name.as_str(), !wanted.is_empty() && name != wanted),
+    let (name, stands_in) = match wish.integrator {
+        Some(name) => (name, !wanted.is_empty() && name != wanted),
         None if is_known(wanted) => (wanted, false),
         None => (DEFAULT_INTEGRATOR, !wanted.is_empty()),
     };

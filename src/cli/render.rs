@@ -1,29 +1,22 @@
 //! `lumiflow render`.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::thread;
-use std::time::Instant;
-
-use cpu_time::ProcessTime;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::time::{Duration, Instant};
 
 use super::args::{CompressionName, RenderArgs};
-use super::budget::{Budget, Goal};
+use super::budget::Goal;
 use super::console::{print_line, say};
+use super::execute::{self, Finished, Job};
 use super::failure::Failure;
-use super::monitor::Monitor;
 use super::notes::Notes;
 use super::outputs::{self, Target};
-use super::plan::{self, Plan};
+use super::plan::{self, Plan, Wish};
 use super::signals::Interruption;
 use super::summary::Summary;
 use super::version;
-use crate::accel;
-use crate::film::{Filter, Layer};
+use crate::film::Filter;
 use crate::image::{Compression, ExrOptions, Image, Precision};
-use crate::integrator::{PixelSettings, Progress, Rendered, render};
-use crate::output::{LayerChoice, Run, SaveOptions, metadata, picture, save};
+use crate::output::{LayerChoice, SaveOptions, metadata, picture, save};
 use crate::scene::import::{Imported, View};
 
 /// Renders the scenes one after the other; returns the exit code.
@@ -34,12 +27,12 @@ use crate::scene::import::{Imported, View};
 /// # Errors
 /// What the command line has wrong, and files that cannot be written.
 pub(super) fn run(args: &RenderArgs) -> Result<u8, Failure> {
-    plan::check_names(args)?;
+    plan::check_names(&wish(args))?;
     let targets = outputs::targets(&args.scenes, &args.output)?;
     outputs::check_writable(&targets)?;
     let interruption = Interruption::listen()?;
-    let threads = args.threads.map_or_else(all_cores, usize::from);
-    let pool = pool(threads)?;
+    let threads = args.threads.map_or_else(execute::all_cores, usize::from);
+    let pool = execute::pool(threads)?;
     let session = Session {
         args,
         interruption: &interruption,
@@ -66,32 +59,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     Ok(code)
 }
 
-fn all_cores() -> usize {
-    thread::available_parallelism().map_or(1, usize::from)
-}
-
-fn pool(threads: usize) -> Result<ThreadPool, Failure> {
-    ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|index| format!("render {index}"))
-        .start_handler(|_| accel::prepare_worker())
-        .build()
-        .map_err(|error| Failure::File(format!("cannot start {threads} threads: {error}")))
-}
-
 /// What all scenes of a call share.
 struct Session<'a> {
     args: &'a RenderArgs,
     interruption: &'a Arc<Interruption>,
     threads: usize,
-}
-
-/// A finished render with its costs.
-struct Finished {
-    rendered: Rendered,
-    run: Run,
-    /// By how many seconds `--time` was overrun.
-    overrun: Option<f64>,
 }
 
 impl Session<'_> {
@@ -104,10 +76,20 @@ impl Session<'_> {
         let warnings = std::mem::take(&mut imported.warnings);
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);
         let view = self.view(&imported, target)?;
-        let plan = Plan::new(args, &imported.integrator, &mut notes)?;
+        let plan = Plan::new(&wish(args), &imported.integrator, &mut notes)?;
         notes.settle()?;
 
-        let finished = self.run_passes(target, &imported, view, &plan);
+        let job = Job {
+            imported: &imported,
+            view,
+            plan: &plan,
+            filter: self.filter(view),
+            seed: args.seed,
+            goal: goal(args, view),
+            threads: self.threads,
+        };
+        let title = (!args.quiet).then_some(target.name.as_str());
+        let finished = job.execute(self.interruption, title);
         if finished.rendered.passes == 0 {
             say(&format!(
                 "{}: stopped before the first pass was complete; no file is written",
@@ -115,7 +97,7 @@ impl Session<'_> {
             ));
             return Ok(());
         }
-        remark(&finished, view, &plan, args, &mut notes);
+        remark(&finished, &job, &mut notes);
         let record = Summary {
             target,
             imported: &imported,
@@ -124,7 +106,7 @@ impl Session<'_> {
             rendered: &finished.rendered,
             run: finished.run,
             seed: args.seed,
-            filter: self.filter(view).kind().name(),
+            filter: job.filter.kind().name(),
         };
         let choice = LayerChoice {
             precision: self.precision(view),
@@ -137,6 +119,9 @@ impl Session<'_> {
         written?;
         if !args.quiet {
             say(&record.line());
+            if let Some(lines) = record.mutation_lines(&notes) {
+                say(&lines);
+            }
         }
         if args.json {
             let interrupted = self.interruption.exit_code().is_some();
@@ -169,69 +154,6 @@ impl Session<'_> {
             Precision::Half
         } else {
             Precision::Float
-        }
-    }
-
-    /// Renders until the goal is reached or a signal comes.
-    fn run_passes(
-        &self,
-        target: &Target,
-        imported: &Imported,
-        view: &View,
-        plan: &Plan,
-    ) -> Finished {
-        self.interruption.save_from_now_on();
-        let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
-        let settings = PixelSettings {
-            seed: self.args.seed,
-            film_size: view.film_size,
-            window: view.window,
-            filter: self.filter(view),
-            sampler: view.sampler,
-            alpha: view.alpha,
-            second_moment: imported.integrator.second_moment,
-            aovs: plan.aovs.clone(),
-            own_layers: plan.own_layers.clone(),
-        };
-        let work = plan
-            .integrator
-            .start(&imported.scene, &view.sensor, settings);
-        let goal = plan::goal(self.args, view);
-        let mut budget = Budget::new(goal, start.elapsed());
-        let progress = Progress::default();
-        let mut passes = || {
-            let keep_variance = |layer: &Layer| plan.variance && work.has_variance(layer);
-            let cancelled = self.interruption.cancelled();
-            render(&*work, keep_variance, cancelled, &progress, |step| {
-                if budget.allows_another(step.passes, start.elapsed()) {
-                    ControlFlow::Continue(())
-                } else {
-                    ControlFlow::Break(())
-                }
-            })
-        };
-        let rendered = if self.args.quiet {
-            passes()
-        } else {
-            let monitor = Monitor {
-                name: &target.name,
-                goal,
-                start,
-                units_per_pass: work.unit_count(),
-                progress: &progress,
-            };
-            monitor.during(passes)
-        };
-        let wall = start.elapsed();
-        let cpu_seconds = cpu.and_then(|cpu| cpu.try_elapsed().ok());
-        Finished {
-            rendered,
-            run: Run {
-                wall_seconds: wall.as_secs_f64(),
-                cpu_seconds: cpu_seconds.map_or(f64::NAN, |time| time.as_secs_f64()),
-                threads: self.threads,
-            },
-            overrun: budget.overrun(wall).map(|over| over.as_secs_f64()),
         }
     }
 
@@ -274,10 +196,30 @@ fn compression(name: CompressionName) -> Compression {
     }
 }
 
+/// What the arguments wish of the integrator.
+fn wish(args: &RenderArgs) -> Wish<'_> {
+    Wish {
+        integrator: args.integrator.as_deref(),
+        settings: &args.settings,
+        layers: &args.aov,
+    }
+}
+
+/// How long to render.
+fn goal(args: &RenderArgs, view: &View) -> Goal {
+    match args.effort.time {
+        Some(seconds) => Goal::Time(Duration::from_secs_f64(seconds)),
+        None => {
+            let count = args.effort.spp.or(args.effort.passes);
+            Goal::Passes(count.unwrap_or(view.sample_count).max(1))
+        }
+    }
+}
+
 /// Notes what went otherwise than one may expect.
-fn remark(finished: &Finished, view: &View, plan: &Plan, args: &RenderArgs, notes: &mut Notes) {
+fn remark(finished: &Finished, job: &Job<'_>, notes: &mut Notes) {
     let rendered = &finished.rendered;
-    if let (Some(over), Goal::Time(limit)) = (finished.overrun, plan::goal(args, view)) {
+    if let (Some(over), Goal::Time(limit)) = (finished.overrun, job.goal) {
         notes.remark(format!(
             "the render took {over:.2} s longer than the {} s that it was given",
             limit.as_secs_f64()
@@ -289,9 +231,9 @@ fn remark(finished: &Finished, view: &View, plan: &Plan, args: &RenderArgs, note
             "{rejected} estimates were not finite or out of range and were left out"
         ));
     }
-    let group = view.sampler.group();
-    if plan.variance && rendered.passes <= group {
-        let sampler = view.sampler.name();
+    let group = job.view.sampler.group();
+    if job.plan.variance && rendered.passes <= group {
+        let sampler = job.view.sampler.name();
         notes.remark(format!(
             "no layer \"variance\": with the sampler \"{sampler}\" it needs more than {group} \
              samples a pixel"

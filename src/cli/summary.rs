@@ -8,7 +8,9 @@ use super::outputs::Target;
 use super::plan::Plan;
 use crate::image::Image;
 use crate::integrator::Rendered;
+use crate::mutation::{Mutation, Rejection};
 use crate::output::{Record, Run};
+use crate::report::option_value;
 use crate::scene::import::{Imported, View};
 
 /// A finished render.
@@ -40,6 +42,8 @@ impl Summary<'_> {
             paths: counters.paths,
             rays: counters.rays,
             rejected: counters.rejected,
+            chains: counters.chains,
+            mutations: counters.mutations,
             replaced: notes.replaced(),
             run: self.run,
         }
@@ -74,7 +78,7 @@ impl Summary<'_> {
         let options: Map<String, Value> = options
             .map(|(name, value)| (name.clone(), option_value(value)))
             .collect();
-        json!({
+        let mut json = json!({
             "scene": self.target.scene.display().to_string(),
             "outputs": self.files(),
             "integrator": record.integrator,
@@ -93,6 +97,25 @@ impl Summary<'_> {
             "interrupted": interrupted,
             "replaced": record.replaced,
             "warnings": notes.lines(),
+        });
+        if record.chains > 0 || self.rendered.counters.mutation_count() > 0 {
+            json["chains"] = record.chains.into();
+            json["mutations"] = mutations(&record);
+        }
+        json
+    }
+
+    /// What became of the chains' mutations, for people; `None` where there were none.
+    pub(super) fn mutation_lines(&self, notes: &Notes) -> Option<String> {
+        let counters = &self.rendered.counters;
+        let text = self.record(notes).mutations_text();
+        (!text.is_empty()).then(|| {
+            format!(
+                "{} chains, {:.2} Mmutations/CPU s\n  {}",
+                counters.chains,
+                counters.mutation_count() as f64 / 1e6 / self.run.cpu_seconds.max(1e-9),
+                text.replace('\n', "\n  ")
+            )
         })
     }
 
@@ -100,6 +123,24 @@ impl Summary<'_> {
         let files = self.target.files.iter();
         files.map(|file| file.display().to_string()).collect()
     }
+}
+
+/// What became of the mutations, by kind.
+fn mutations(record: &Record) -> Value {
+    let kinds = Mutation::ALL.iter().zip(&record.mutations);
+    let tried = kinds.filter(|(_, statistics)| statistics.proposed > 0);
+    let entries = tried.map(|(mutation, statistics)| {
+        let reasons = Rejection::NAMES
+            .map(|(reason, name)| (name.to_owned(), statistics.rejections(reason).into()));
+        let numbers = json!({
+            "proposed": statistics.proposed,
+            "accepted": statistics.accepted,
+            "mean_acceptance": statistics.mean_acceptance(),
+            "rejected": Map::from_iter(reasons),
+        });
+        (mutation.name().to_owned(), numbers)
+    });
+    Value::Object(entries.collect())
 }
 
 /// Mean of red, green and blue over the image.
@@ -112,23 +153,10 @@ fn mean(image: &Image) -> [f64; 3] {
     })
 }
 
-/// Booleans and numbers as such.
-fn option_value(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|_| Value::from(text))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image::Precision;
-
-    #[test]
-    fn options_keep_their_kinds() {
-        assert_eq!(option_value("true"), json!(true));
-        assert_eq!(option_value("-1"), json!(-1));
-        assert_eq!(option_value("0.5"), json!(0.5));
-        assert_eq!(option_value("power"), json!("power"));
-    }
 
     #[test]
     fn the_mean_is_over_all_pixels() {

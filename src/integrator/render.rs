@@ -69,6 +69,16 @@ impl Counters {
     pub fn mutation_count(&self) -> u64 {
         self.mutations.iter().map(|kind| kind.proposed).sum()
     }
+
+    /// Mean acceptance probability of all mutations tried; zero when there were none.
+    pub fn mean_acceptance(&self) -> f64 {
+        let sum: f64 = self
+            .mutations
+            .iter()
+            .map(|kind| kind.mean_acceptance() * kind.proposed as f64)
+            .sum();
+        sum / self.mutation_count().max(1) as f64
+    }
 }
 
 impl AddAssign for Counters {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::image::AttributeValue;
+use crate::mutation::{Mutation, MutationStatistics, Rejection};
 
 /// Beginning of the names of the attributes that differ between two runs of the same render: times
 /// and threads. All others are the same bytes for any number of threads.
@@ -35,6 +36,10 @@ pub struct Record {
     pub rays: u64,
     /// Estimates that were not finite or out of range, and were left out.
     pub rejected: u64,
+    /// Markov chains run.
+    pub chains: u64,
+    /// What became of the chains' mutations, one entry for each of [`Mutation::ALL`].
+    pub mutations: [MutationStatistics; Mutation::COUNT],
     /// What stands in for something that the scene asks for.
     pub replaced: Vec<String>,
     /// What differs between runs.
@@ -61,6 +66,35 @@ impl Record {
             .collect();
         texts.join(" ")
     }
+
+    /// What became of the mutations that were tried, a line for each kind.
+    pub fn mutations_text(&self) -> String {
+        let tried = Mutation::ALL.iter().zip(&self.mutations);
+        let lines: Vec<String> = tried
+            .filter(|(_, statistics)| statistics.proposed > 0)
+            .map(|(mutation, statistics)| mutation_line(*mutation, statistics))
+            .collect();
+        lines.join("\n")
+    }
+}
+
+/// Numbers of one kind of mutation, reasons of rejections as shares of all that were tried.
+fn mutation_line(mutation: Mutation, statistics: &MutationStatistics) -> String {
+    let proposed = statistics.proposed as f64;
+    let mut line = format!(
+        "{}: {} proposed, {} accepted, mean acceptance {:.4}",
+        mutation.name(),
+        statistics.proposed,
+        statistics.accepted,
+        statistics.mean_acceptance()
+    );
+    for (reason, name) in Rejection::NAMES {
+        let count = statistics.rejections(reason);
+        if count > 0 {
+            line += &format!(", {name} {:.4}", count as f64 / proposed);
+        }
+    }
+    line
 }
 
 /// The attributes of an EXR file.
@@ -99,6 +133,13 @@ pub fn metadata(record: &Record, revision: &str) -> BTreeMap<String, AttributeVa
             small(u32::try_from(record.run.threads).unwrap_or(u32::MAX)),
         ),
     ];
+    if record.chains > 0 {
+        attributes.push(("chains", text(&record.chains)));
+    }
+    let mutations = record.mutations_text();
+    if !mutations.is_empty() {
+        attributes.push(("mutations", text(&mutations)));
+    }
     if !record.replaced.is_empty() {
         attributes.push(("replaced", text(&record.replaced.join("\n"))));
     }
@@ -129,6 +170,8 @@ mod tests {
             paths: 12,
             rays: 1 << 40,
             rejected: 0,
+            chains: 0,
+            mutations: Default::default(),
             replaced: Vec::new(),
             run: Run {
                 wall_seconds,

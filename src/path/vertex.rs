@@ -4,7 +4,7 @@ use crate::bsdf::{BsdfSample, Component, Lobe};
 use crate::emitter::{EmitterClass, EmitterSample};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::{EmitterId, Interaction};
-use crate::shape::SurfacePoint;
+use crate::shape::{Derivatives, SurfacePoint};
 
 /// Where a vertex lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,7 +199,7 @@ fn bare_point(position: Vec3) -> SurfacePoint {
         position,
         geometric_normal: Vec3::ZERO,
         shading_normal: Vec3::ZERO,
-        tangent: Vec3::ZERO,
+        derivatives: Derivatives::NONE,
         uv: Vec2::ZERO,
         error: 0.0,
     }

@@ -1,11 +1,17 @@
-//! What is said about images: how far one is from another, and whether noise explains it.
+//! What is said about images: how far one is from another, whether noise explains it, and what it
+//! took to come that far.
 
+mod bench;
 mod compare;
 mod flip;
 mod heat;
 mod pixels;
 mod tiles;
 
+pub use bench::{
+    Bench, BenchScene, Mean, Measure, Spread, Standing, Trial, option_value, standings,
+    three_digits,
+};
 pub use compare::{Comparison, Ratio, compare};
 pub use flip::mean_flip;
 pub use heat::heat_map;

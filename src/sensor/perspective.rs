@@ -141,7 +141,7 @@ impl Perspective {
 
     /// Writes a world-space direction or offset in the camera's axes.
     #[inline]
-    pub(super) fn to_local(&self, world: Vec3) -> Vec3 {
+    pub(super) fn local(&self, world: Vec3) -> Vec3 {
         self.rotation.transpose() * world
     }
 
@@ -173,7 +173,7 @@ impl SensorModel for Perspective {
 
     #[inline]
     fn raster_at(&self, _origin: Vec3, direction: Vec3) -> Option<Vec2> {
-        let local = self.to_local(direction);
+        let local = self.local(direction);
         (local.z > 0.0).then(|| self.raster(local.truncate() / local.z))
     }
 

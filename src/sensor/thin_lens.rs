@@ -62,7 +62,7 @@ impl SensorModel for ThinLens {
 
     #[inline]
     fn raster_at(&self, origin: Vec3, direction: Vec3) -> Option<Vec2> {
-        let local = self.pinhole.to_local(direction);
+        let local = self.pinhole.local(direction);
         (local.z > 0.0).then(|| {
             let slope = local.truncate() / local.z;
             self.pinhole.raster(slope + self.slope_lost(origin))
@@ -96,7 +96,7 @@ impl SensorModel for ThinLens {
 
     #[inline]
     fn lens_coordinates(&self, origin: Vec3) -> Vec2 {
-        let offset = self.pinhole.to_local(origin - self.pinhole.origin());
+        let offset = self.pinhole.local(origin - self.pinhole.origin());
         offset.truncate() / self.radius
     }
 }
@@ -140,8 +140,56 @@ mod tests {
         Vec2::new(0.6, 0.8),
     ];
 
-    /// Origins and directions of `sample_ray`, read off Mitsuba 3.9.1 (`scalar_rgb`, film of
-    /// 200 × 100 pixels, near clip plane at 1e-9).
+    /// Camera, raster position and numbers for the lens; origin and direction of its ray.
+    type MitsubaRay = (usize, [f32; 2], [f32; 2], [f32; 3], [f32; 3]);
+
+    /// What `sample_ray` of Mitsuba 3.9.1 returns (`scalar_rgb`, film of 200 × 100 pixels, near clip
+    /// plane at 1e-9).
+    const RAYS: [MitsubaRay; 6] = [
+        (
+            0,
+            [20.0, 20.0],
+            [0.5, 0.5],
+            [1.0, 2.0, 3.0],
+            [-0.536_604, -0.422_291, -0.730_566],
+        ),
+        (
+            0,
+            [20.0, 20.0],
+            [0.9, 0.3],
+            [0.837_643, 1.935_315, 3.097_243],
+            [-0.490_745, -0.406_522, -0.770_655],
+        ),
+        (
+            0,
+            [160.0, 55.0],
+            [0.1, 0.6],
+            [1.179_496, 2.032_976, 2.918_184],
+            [-0.115_443, -0.554_180, -0.824_353],
+        ),
+        (
+            0,
+            [100.0, 50.0],
+            [0.25, 0.75],
+            [1.068_912, 2.074_702, 2.927_228],
+            [-0.289_980, -0.558_938, -0.776_852],
+        ),
+        (
+            1,
+            [150.0, 80.0],
+            [0.2, 0.4],
+            [1.345_638, 1.921_253, 2.937_285],
+            [0.064_400, -0.662_699, -0.746_112],
+        ),
+        (
+            2,
+            [150.0, 80.0],
+            [0.2, 0.4],
+            [1.144_016, 1.967_189, 2.973_869],
+            [-0.075_930, -0.613_007, -0.786_420],
+        ),
+    ];
+
     #[test]
     fn rays_are_those_of_mitsuba() {
         let other = PerspectiveSettings {
@@ -153,50 +201,7 @@ mod tests {
             ThinLens::new(other, 0.6, 7.5).unwrap(),
             ThinLens::new(settings(), 0.25, settings().far).unwrap(),
         ];
-        for (camera, raster, u, origin, direction) in [
-            (
-                0,
-                [20.0, 20.0],
-                [0.5, 0.5],
-                [1.0, 2.0, 3.0],
-                [-0.536_604, -0.422_291, -0.730_566],
-            ),
-            (
-                0,
-                [20.0, 20.0],
-                [0.9, 0.3],
-                [0.837_643, 1.935_315, 3.097_243],
-                [-0.490_745, -0.406_522, -0.770_655],
-            ),
-            (
-                0,
-                [160.0, 55.0],
-                [0.1, 0.6],
-                [1.179_496, 2.032_976, 2.918_184],
-                [-0.115_443, -0.554_180, -0.824_353],
-            ),
-            (
-                0,
-                [100.0, 50.0],
-                [0.25, 0.75],
-                [1.068_912, 2.074_702, 2.927_228],
-                [-0.289_980, -0.558_938, -0.776_852],
-            ),
-            (
-                1,
-                [150.0, 80.0],
-                [0.2, 0.4],
-                [1.345_638, 1.921_253, 2.937_285],
-                [0.064_400, -0.662_699, -0.746_112],
-            ),
-            (
-                2,
-                [150.0, 80.0],
-                [0.2, 0.4],
-                [1.144_016, 1.967_189, 2.973_869],
-                [-0.075_930, -0.613_007, -0.786_420],
-            ),
-        ] {
+        for (camera, raster, u, origin, direction) in RAYS {
             let raster = Vec2::from_array(raster);
             let ray = cameras[camera].sample_ray(raster, Vec2::from_array(u));
             let origin_error = ray.origin - Vec3::from_array(origin);

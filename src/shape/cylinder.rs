@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use super::affine::{axes_and_origin, check_circular, check_perpendicular, rows};
-use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint};
+use super::{Derivatives, ShapeError, ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::Geometry;
 use crate::math::{AreaDensity, Frame, Mat4, Vec2, Vec3, warp};
 
@@ -90,7 +90,7 @@ impl Cylinder {
             position: self.base + outwards + z * along,
             geometric_normal: normal,
             shading_normal: normal,
-            tangent: y * around.x - x * around.y,
+            derivatives: Derivatives::new(normal, (y * around.x - x * around.y) * TAU, z),
             uv: Vec2::new(warp::turn(around), along),
             error: self.error,
         }

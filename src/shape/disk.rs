@@ -1,9 +1,10 @@
 //! A flat disk.
 
+use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
 use super::affine::{axes_and_origin, rows};
-use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint};
+use super::{Derivatives, ShapeError, ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::Geometry;
 use crate::math::{AreaDensity, Mat4, Vec2, Vec3, warp};
 
@@ -75,17 +76,15 @@ impl Disk {
         let [x, y] = self.axes;
         let from_centre = p.length().min(1.0);
         // The centre has no direction of growing radius; the x axis is as good as any.
-        let outwards = if p == Vec2::ZERO {
-            x
-        } else {
-            x * p.x + y * p.y
-        };
+        let outwards = p.normalize_or(Vec2::X);
+        let by_u = x * outwards.x + y * outwards.y;
+        let by_v = (y * p.x - x * p.y) * TAU;
         let normal = self.normal * self.side;
         SurfacePoint {
             position: self.centre + x * p.x + y * p.y,
             geometric_normal: normal,
             shading_normal: normal,
-            tangent: outwards,
+            derivatives: Derivatives::new(normal, by_u, by_v),
             uv: Vec2::new(from_centre, warp::turn(p)),
             error: self.error,
         }

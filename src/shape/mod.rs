@@ -20,7 +20,7 @@ mod triangle_mesh;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use sphere::Sphere;
-pub use surface::SurfacePoint;
+pub use surface::{Derivatives, SurfacePoint};
 pub use triangle_mesh::TriangleMesh;
 
 use thiserror::Error;

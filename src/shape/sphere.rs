@@ -1,11 +1,11 @@
 //! A sphere.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::DVec3;
 
 use super::affine::{axes_and_origin, check_circular};
-use super::{ShapeError, ShapeHit, ShapeModel, SurfacePoint, as_direction};
+use super::{Derivatives, ShapeError, ShapeHit, ShapeModel, SurfacePoint, as_direction};
 use crate::accel::Geometry;
 use crate::math::{AreaDensity, Frame, Mat3, Mat4, SolidAngleDensity, Vec2, Vec3, warp};
 
@@ -80,13 +80,15 @@ impl Sphere {
         let local = self.axes.transpose() * outward;
         let from_axis = local.truncate().length();
         let normal = outward * self.side;
-        let along_u = self.axes * Vec3::new(-local.y, local.x, 0.0);
+        let by_u = self.axes * Vec3::new(-local.y, local.x, 0.0) * (TAU * self.radius);
+        let azimuth = local.truncate().normalize_or(Vec2::X);
+        let by_v = self.axes * (azimuth * local.z).extend(-from_axis) * (PI * self.radius);
         let extent = self.centre.abs().max_element() + self.radius;
         SurfacePoint {
             position: self.centre + outward * self.radius,
             geometric_normal: normal,
             shading_normal: normal,
-            tangent: along_u,
+            derivatives: Derivatives::new(normal, by_u, by_v),
             uv: Vec2::new(
                 warp::turn(local.truncate()),
                 from_axis.atan2(local.z) * FRAC_1_PI,

@@ -11,23 +11,84 @@ pub struct SurfacePoint {
     pub geometric_normal: Vec3,
     /// Unit normal of the shaded surface: the interpolated one where the shape has such.
     pub shading_normal: Vec3,
-    /// Direction in which `u` grows, of any length; zero where nobody asks for it.
-    pub tangent: Vec3,
+    /// How the position changes with `uv`.
+    pub derivatives: Derivatives,
     /// Surface coordinates of textures.
     pub uv: Vec2,
     /// Bound on the error of `position`, in metres: how far a ray's origin must leave the surface.
     pub error: f32,
 }
 
+/// How a position changes with the surface coordinates `u` and `v`, seen in the plane across the
+/// shading normal.
+///
+/// Two numbers for each coordinate instead of three: a surface point stays within 64 bytes, and what
+/// is left out, the part along the normal, no material asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derivatives {
+    /// ∂p/∂u in m, along tangent and bitangent of [`Frame::around`] the shading normal.
+    by_u: Vec2,
+    /// ∂p/∂v, likewise.
+    by_v: Vec2,
+}
+
+impl Derivatives {
+    /// Of surfaces without coordinates, or where nobody asks for them.
+    pub const NONE: Self = Self {
+        by_u: Vec2::ZERO,
+        by_v: Vec2::ZERO,
+    };
+
+    /// Takes what lies across the normal of derivatives in world space.
+    ///
+    /// - `by_u`, `by_v`: ∂p/∂u and ∂p/∂v in m; numbers that are not finite give
+    ///   [`Derivatives::NONE`].
+    #[inline]
+    pub fn new(shading_normal: Vec3, by_u: Vec3, by_v: Vec3) -> Self {
+        let frame = Frame::around(shading_normal);
+        let across = |v: Vec3| Vec2::new(v.dot(frame.tangent), v.dot(frame.bitangent));
+        let (by_u, by_v) = (across(by_u), across(by_v));
+        if by_u.is_finite() && by_v.is_finite() {
+            Self { by_u, by_v }
+        } else {
+            Self::NONE
+        }
+    }
+}
+
 impl SurfacePoint {
-    /// The frame that materials write their directions in.
+    /// The frame that materials write their directions in: its tangent goes where `u` grows.
     #[inline]
     pub fn shading_frame(&self) -> Frame {
-        if self.tangent == Vec3::ZERO {
-            Frame::around(self.shading_normal)
-        } else {
-            Frame::with_tangent(self.shading_normal, self.tangent)
+        let frame = Frame::around(self.shading_normal);
+        let Some(along) = self.derivatives.by_u.try_normalize() else {
+            return frame;
+        };
+        Frame {
+            tangent: frame.tangent * along.x + frame.bitangent * along.y,
+            bitangent: frame.bitangent * along.x - frame.tangent * along.y,
+            normal: frame.normal,
         }
+    }
+
+    /// Gradient over the surface of what changes with its coordinates, along tangent and bitangent
+    /// of the shading frame, for each m.
+    ///
+    /// - `by_uv`: derivatives by `u` and `v`.
+    ///
+    /// `None` where the coordinates do not span the surface.
+    ///
+    /// With the tangent along ∂p/∂u, a gradient (x, y) must give `x·|∂p/∂u|` for `u`, and its dot
+    /// product with ∂p/∂v for `v`.
+    #[inline]
+    pub fn gradient(&self, by_uv: Vec2) -> Option<Vec2> {
+        let Derivatives { by_u, by_v } = self.derivatives;
+        let length = by_u.length();
+        let x = by_uv.x / length;
+        let across = by_u.perp_dot(by_v) / length;
+        let y = (by_uv.y - x * by_u.dot(by_v) / length) / across;
+        let gradient = Vec2::new(x, y);
+        gradient.is_finite().then_some(gradient)
     }
 
     /// The origin of a ray that leaves in `direction`: off the surface by [`SurfacePoint::error`],

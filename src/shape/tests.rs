@@ -128,6 +128,46 @@ fn a_hit_near_the_surface_finds_the_sampled_point_again() {
 }
 
 #[test]
+fn surface_points_are_small() {
+    assert!(size_of::<SurfacePoint>() <= 64);
+}
+
+#[test]
+fn gradients_say_how_coordinates_change() {
+    const STEP: f32 = 1e-3;
+    for mut shape in examples() {
+        if let Shape::TriangleMesh(mesh) = &mut shape {
+            mesh.follow_coordinates();
+        }
+        let mut stream = stream(4);
+        for _ in 0..300 {
+            let u = pair(&mut stream);
+            let (at, _) = shape.sample_area(u);
+            // Where the coordinates bend too much for differences.
+            let near_pole = at.uv.x < 0.1 || (at.uv.y - 0.5).abs() > 0.4;
+            if near_pole {
+                continue;
+            }
+            let gradients = [Vec2::X, Vec2::Y].map(|by_uv| at.gradient(by_uv).unwrap());
+            for step in [Vec2::X, Vec2::Y] {
+                let (beside, _) = shape.sample_area(u + step * STEP);
+                let way = at.shading_frame().to_local(beside.position - at.position);
+                let [by_u, by_v] = gradients.map(|gradient| gradient.dot(way.0.truncate()));
+                let (expected, found) = (Vec2::new(by_u, by_v), beside.uv - at.uv);
+                let error = (found - expected).length();
+                assert!(
+                    error < 0.02 * found.length() + 1e-5,
+                    "{found} is not {expected}: {shape:?}"
+                );
+            }
+        }
+    }
+    // Without coordinates there is nothing to follow.
+    let (at, _) = Shape::from(rectangle()).sample_area(Vec2::splat(0.3));
+    assert_eq!(at.gradient(Vec2::ONE), None);
+}
+
+#[test]
 fn areas_are_those_of_the_formulas() {
     let close = |shape: Shape, area: f64| {
         let found = shape.area();
@@ -210,7 +250,7 @@ fn flat_primitives_are_those_of_mitsuba() {
     let mesh = |data: mesh::MeshData| {
         assert_eq!(data.validate(), Ok(()));
         let mut mesh = TriangleMesh::from(data);
-        mesh.follow_tangents();
+        mesh.follow_coordinates();
         Shape::from(mesh)
     };
     let rectangle = mesh(primitives::rectangle());
@@ -263,7 +303,8 @@ fn mirrors_keep_round_shapes_outside_out_and_flips_turn_them() {
         let flipped = first(shape, from, [-1., 0., 0.]);
         assert_eq!(flipped.geometric_normal, -at.geometric_normal);
         assert_eq!(flipped.uv, at.uv);
-        assert_eq!(flipped.shading_frame().tangent, at.shading_frame().tangent);
+        let (turned, tangent) = (flipped.shading_frame().tangent, at.shading_frame().tangent);
+        assert!((turned - tangent).length() < 1e-6);
     }
     let below = Disk::new(Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).unwrap();
     assert_eq!(below.sample_area(Vec2::ZERO).0.geometric_normal, -Vec3::Z);

@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use super::mesh::MeshData;
-use super::{ShapeHit, ShapeModel, SurfacePoint};
+use super::{Derivatives, ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
 use crate::math::{AreaDensity, Vec2, Vec3, warp};
@@ -20,8 +20,8 @@ pub struct TriangleMesh {
     area: f64,
     /// Density of a point that is uniform on the mesh.
     density: AreaDensity,
-    /// Whether shading frames follow the direction of growing `u`.
-    tangents: bool,
+    /// Whether points know how they change with the texture coordinates.
+    derivatives: bool,
 }
 
 impl TriangleMesh {
@@ -44,7 +44,7 @@ impl TriangleMesh {
             by_area: None,
             area: 0.0,
             density: AreaDensity::default(),
-            tangents: false,
+            derivatives: false,
         };
         mesh.area = mesh.triangle_areas().sum();
         mesh.density = AreaDensity((1.0 / mesh.area) as f32);
@@ -61,9 +61,10 @@ impl TriangleMesh {
         &self.triangles
     }
 
-    /// Makes shading frames follow the texture coordinates, as anisotropic materials need.
-    pub fn follow_tangents(&mut self) {
-        self.tangents = true;
+    /// Makes points know how they change with the texture coordinates, as anisotropic materials and
+    /// bumps need; shading frames then follow the coordinates.
+    pub fn follow_coordinates(&mut self) {
+        self.derivatives = true;
     }
 
     fn triangle_areas(&self) -> impl Iterator<Item = f64> + '_ {
@@ -114,31 +115,34 @@ impl TriangleMesh {
             }
             None => barycentrics,
         };
-        let tangent = if self.tangents {
-            self.tangent(triangle, to_b, to_c)
+        let derivatives = if self.derivatives {
+            let [by_u, by_v] = self.derivatives(triangle, to_b, to_c);
+            Derivatives::new(shading_normal, by_u, by_v)
         } else {
-            Vec3::ZERO
+            Derivatives::NONE
         };
         SurfacePoint {
             position: position.into(),
             geometric_normal,
             shading_normal,
-            tangent,
+            derivatives,
             uv,
             error,
         }
     }
 
-    /// The direction in which `u` grows; zero where the texture coordinates do not span the plane.
-    fn tangent(&self, triangle: [u32; 3], to_b: Vec3, to_c: Vec3) -> Vec3 {
-        let Some(uvs) = &self.uvs else { return to_b };
+    /// ∂p/∂u and ∂p/∂v; zero where the texture coordinates do not span the plane.
+    fn derivatives(&self, triangle: [u32; 3], to_b: Vec3, to_c: Vec3) -> [Vec3; 2] {
+        let Some(uvs) = &self.uvs else {
+            return [to_b, to_c];
+        };
         let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
         let (du, dv) = (ub - ua, uc - ua);
         let determinant = du.x * dv.y - du.y * dv.x;
         if determinant == 0.0 {
-            return Vec3::ZERO;
+            return [Vec3::ZERO; 2];
         }
-        (to_b * dv.y - to_c * du.y) / determinant
+        [to_b * dv.y - to_c * du.y, to_c * du.x - to_b * dv.x].map(|d| d / determinant)
     }
 }
 

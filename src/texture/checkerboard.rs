@@ -29,6 +29,10 @@ impl TextureModel for Checkerboard {
         self.colours[usize::from(other)]
     }
 
+    fn gradient(&self, _uv: Vec2) -> Vec2 {
+        Vec2::ZERO
+    }
+
     fn mean(&self) -> Rgb {
         (self.colours[0] + self.colours[1]) * 0.5
     }

@@ -22,6 +22,10 @@ impl TextureModel for Constant {
         self.colour
     }
 
+    fn gradient(&self, _uv: Vec2) -> Vec2 {
+        Vec2::ZERO
+    }
+
     fn mean(&self) -> Rgb {
         self.colour
     }

@@ -22,6 +22,9 @@ pub trait TextureModel {
         self.colour(uv).luminance()
     }
 
+    /// Derivatives of [`TextureModel::value`] by `u` and `v`; zero where it jumps.
+    fn gradient(&self, uv: Vec2) -> Vec2;
+
     /// Mean colour over the unit square of `uv`.
     fn mean(&self) -> Rgb;
 
@@ -54,6 +57,10 @@ macro_rules! texture_models {
             #[inline]
             fn value(&self, uv: Vec2) -> f32 {
                 match self { $(Self::$model(t) => t.value(uv),)* }
+            }
+            #[inline]
+            fn gradient(&self, uv: Vec2) -> Vec2 {
+                match self { $(Self::$model(t) => t.gradient(uv),)* }
             }
             fn mean(&self) -> Rgb {
                 match self { $(Self::$model(t) => t.mean(),)* }

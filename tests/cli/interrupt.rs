@@ -10,7 +10,7 @@ use lumiflow::image::AttributeValue;
 use super::{Done, Place, without_run};
 
 /// Sends a signal by its name, such as `INT`.
-fn send(signal: &str, child: &Child) {
+pub(super) fn send(signal: &str, child: &Child) {
     // A small system has no such program, but each shell has the command.
     let status = Command::new("sh")
         .args(["-c", "kill -s $0 $1", signal, &child.id().to_string()])

@@ -15,7 +15,7 @@ pub(crate) enum Fault {
     Weight,
     /// Three times as much is scattered.
     Energy,
-    /// The change of radiance with the index is left out.
+    /// Radiance is scattered as importance is: the change with the index is left out.
     EtaSquared,
     /// `follow` gives probabilities 5 % too small.
     Selection,

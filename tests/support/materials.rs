@@ -1,20 +1,20 @@
 //! Where and from where materials are looked at.
 
-use lumiflow::bsdf::{Bsdf, BsdfModel, Transport};
-use lumiflow::math::{Local, Vec2, Vec3};
+use lumiflow::bsdf::{Bsdf, BsdfModel, Component, Transport};
+use lumiflow::math::{Frame, Local, Vec2, Vec3};
 use lumiflow::random::{Purpose, Stream};
-use lumiflow::shape::SurfacePoint;
+use lumiflow::shape::{Derivatives, SurfacePoint};
 
 /// Both transports.
 pub(crate) const TRANSPORTS: [Transport; 2] = [Transport::Radiance, Transport::Importance];
 
-/// A point of a horizontal surface.
+/// A point of a horizontal surface, whose coordinates are skew.
 pub(crate) fn surface_point() -> SurfacePoint {
     SurfacePoint {
         position: Vec3::ZERO,
         geometric_normal: Vec3::Z,
         shading_normal: Vec3::Z,
-        tangent: Vec3::ZERO,
+        derivatives: Derivatives::new(Vec3::Z, Vec3::new(1.5, 0.0, 0.0), Vec3::new(0.4, 0.8, 0.0)),
         uv: Vec2::new(0.3, 0.7),
         error: 1e-6,
     }
@@ -78,4 +78,22 @@ pub(crate) fn cases(seed: u64) -> Vec<Case> {
 pub(crate) fn numbers(stream: &mut Stream) -> (f32, Vec2) {
     let u_lobe = stream.next_f32();
     (u_lobe, Vec2::new(stream.next_f32(), stream.next_f32()))
+}
+
+/// How much wider a Dirac component makes a narrow cone around `wi`: `dσ(wo)/dσ(wi)`, by
+/// differences; `None` where it ends.
+pub(crate) fn spread(bsdf: &dyn BsdfModel, wi: Local, component: Component) -> Option<f32> {
+    const STEP: f32 = 1e-3;
+    let at = surface_point();
+    let change = |axis: Vec3| {
+        let end = |step: f32| {
+            let wi = Local((wi.0 + axis * step).normalize());
+            let event = bsdf.follow(wi, &at, Transport::Importance, component)?;
+            Some(event.direction.0)
+        };
+        Some((end(STEP)? - end(-STEP)?) / (2.0 * STEP))
+    };
+    let frame = Frame::around(wi.0);
+    let (along, across) = (change(frame.tangent)?, change(frame.bitangent)?);
+    Some(along.cross(across).length())
 }

@@ -1,17 +1,40 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::Parser;
-
 use super::*;
-use crate::cli::args::{Cli, Command};
 use crate::scene::import::xml::{Location, Source, Strictness};
 
-fn args(words: &[&str]) -> RenderArgs {
-    let words = ["lumiflow", "render", "a.xml"].iter().chain(words);
-    match Cli::try_parse_from(words).unwrap().command {
-        Some(Command::Render(args)) => *args,
-        other => panic!("{other:?}"),
+/// The wish of `-i`, `--set` and `--aov` in `words`.
+struct Words<'w> {
+    integrator: Option<&'w str>,
+    settings: Vec<(String, String)>,
+    layers: Vec<String>,
+}
+
+impl<'w> Words<'w> {
+    fn new(words: &[&'w str]) -> Self {
+        let values = |flag: &str| {
+            let pairs = words.chunks(2).filter(move |pair| pair[0] == flag);
+            pairs.map(|pair| pair[1]).collect::<Vec<&'w str>>()
+        };
+        let setting = |text: &&str| {
+            let (key, value) = text.split_once('=').unwrap();
+            (key.to_owned(), value.to_owned())
+        };
+        let layers = values("--aov").into_iter().flat_map(|list| list.split(','));
+        Self {
+            integrator: values("-i").pop(),
+            settings: values("--set").iter().map(setting).collect(),
+            layers: layers.map(str::to_owned).collect(),
+        }
+    }
+
+    fn wish(&self) -> Wish<'_> {
+        Wish {
+            integrator: self.integrator,
+            settings: &self.settings,
+            layers: &self.layers,
+        }
     }
 }
 
@@ -44,7 +67,7 @@ fn request(name: &str, options: &[(&str, &str)]) -> IntegratorRequest {
 /// Name and options of the plan as text, and the warnings.
 fn plan(words: &[&str], request: &IntegratorRequest) -> Result<(String, Vec<String>), String> {
     let mut notes = Notes::new(Strictness::Normal, true, Vec::new());
-    match Plan::new(&args(words), request, &mut notes) {
+    match Plan::new(&Words::new(words).wish(), request, &mut notes) {
         Ok(plan) => {
             let options = plan
                 .options
@@ -127,8 +150,8 @@ fn layers_come_from_both_sides() {
         "x:dp_du".to_owned(),
     ];
     let mut notes = Notes::new(Strictness::Normal, true, Vec::new());
-    let args = args(&["--aov", "uv,depth, variance"]);
-    let plan = Plan::new(&args, &request, &mut notes).ok().unwrap();
+    let words = Words::new(&["--aov", "uv,depth, variance"]);
+    let plan = Plan::new(&words.wish(), &request, &mut notes).ok().unwrap();
     assert_eq!(plan.aovs, [Aov::Uv, Aov::Depth, Aov::ShadingNormal]);
     assert!(plan.variance);
     assert_eq!(
@@ -139,7 +162,7 @@ fn layers_come_from_both_sides() {
 
 #[test]
 fn names_in_arguments_are_checked_first() {
-    let message = |words: &[&str]| match check_names(&args(words)) {
+    let message = |words: &[&str]| match check_names(&Words::new(words).wish()) {
         Err(Failure::Usage(message)) => message,
         other => panic!("{other:?}"),
     };
@@ -152,7 +175,7 @@ fn names_in_arguments_are_checked_first() {
         "unknown layer \"albdo\" (did you mean \"albedo\"?); there are albedo, sh_normal, \
          geo_normal, depth, position, uv, variance"
     );
-    check_names(&args(&["-i", "direct", "--aov", "uv"])).unwrap();
+    check_names(&Words::new(&["-i", "direct", "--aov", "uv"]).wish()).unwrap();
 }
 
 #[test]

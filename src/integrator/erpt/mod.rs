@@ -21,6 +21,12 @@ use render::ErptRender;
 /// Layers that are made on demand.
 pub(super) const OWN_LAYERS: &[&str] = &["proposals", "acceptance", "chains"];
 
+/// Mutations for each camera sample, where no number is given.
+///
+/// Few: where paths of high energy are rare, finding them is what counts. It is about what the paper
+/// uses, 200 mutations a pixel at 36 samples; `docs/erpt.md` has a study.
+const MUTATIONS_PER_SAMPLE: f64 = 5.0;
+
 /// Path tracing finds paths; chains of mutations spread their energy over the image.
 ///
 /// Source: Cline et al. 2005; van Antwerpen 2011, Sec. 6.8.
@@ -40,8 +46,8 @@ pub struct Erpt {
     luminance_samples: Option<u32>,
     /// Largest number of chains of a seed.
     chain_cap: u32,
-    /// Camera samples for each pixel and pass of the layer of direct light; `None` where chains carry
-    /// it, too.
+    /// Further camera samples for each pixel and pass of the layer of direct light; `None` where chains
+    /// carry it, too.
     direct_samples: Option<u32>,
     noise_filter: NoiseFilter,
 }
@@ -70,11 +76,15 @@ impl Erpt {
             strict_normals: options.boolean("strict_normals", false)?,
         };
         let chain_length = options.integer("chain_length", 1..=1_000_000, 100)?;
-        let chains = options.float("num_chains", 1e-6..=1e6, 1.0)?;
+        let chains = options.float("num_chains", 0.0..=1e6, 0.0)?;
         let mutations_per_sample = options.float(
             "mutations_per_sample",
             1e-6..=1e9,
-            chains * chain_length as f64,
+            if chains > 0.0 {
+                chains * chain_length as f64
+            } else {
+                MUTATIONS_PER_SAMPLE
+            },
         )?;
         let deposition_energy = options.float("deposition_energy", 0.0..=f64::MAX, 0.0)?;
         let luminance_samples = options.integer("luminance_samples", 0..=1 << 28, 0)?;
@@ -133,8 +143,8 @@ fn flow(options: &mut OptionReader<'_>) -> Result<Flow, OptionError> {
 /// Reads whether direct light is estimated apart, and with how many samples.
 fn direct_samples(options: &mut OptionReader<'_>) -> Result<Option<u32>, OptionError> {
     let is_separate = options.boolean("separate_direct", true)?;
-    let samples = options.integer("direct_samples", -1..=1 << 16, 16)?;
-    Ok((is_separate && samples > 0).then_some(samples.max(0) as u32))
+    let samples = options.integer("direct_samples", -1..=1 << 16, 0)?;
+    Ok((is_separate && samples >= 0).then_some(samples.max(0) as u32))
 }
 
 impl Algorithm for Erpt {

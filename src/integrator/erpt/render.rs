@@ -141,8 +141,10 @@ impl<'s> ErptRender<'s> {
         let index = pixel_index(settings, pixel.0, pixel.1);
         walker.draw_from(Stream::new(settings.seed, Purpose::Chain, index, pass));
         let mut chains = 0;
+        let mut direct = Rgb::BLACK;
         let mut spread = |found: Found<'_>| {
             if !self.erpt.goes_to_chains(found.edges) {
+                direct += found.energy;
                 return;
             }
             let energy = found.luminance();
@@ -159,6 +161,10 @@ impl<'s> ErptRender<'s> {
             self.erpt
                 .tracing
                 .trace(&work.space, path, camera, &mut sample.sampler, &mut spread);
+        if let Some(place) = self.places.direct {
+            let value = (direct * self.direct_weight()).to_array();
+            layers[place].add(&settings.filter, raster, value);
+        }
         if settings.alpha {
             layers[0].add(&settings.filter, raster, [0.0, 0.0, 0.0, alpha]);
         }
@@ -173,9 +179,15 @@ impl<'s> ErptRender<'s> {
         chains
     }
 
-    /// Estimates the light of at most two edges in a pixel by path tracing.
+    /// Weight of each of a pixel's samples of direct light in a pass: its own camera sample and the
+    /// further ones.
+    fn direct_weight(&self) -> f32 {
+        1.0 / (self.erpt.direct_samples.unwrap_or(0) + 1) as f32
+    }
+
+    /// Estimates the light of at most two edges in a pixel by further camera samples.
     ///
-    /// The samples of one pass are spread against each other, and passes are independent.
+    /// The further samples of one pass are spread against each other, and passes are independent.
     fn sample_direct(
         &self,
         pixel: (i32, i32),
@@ -204,7 +216,7 @@ impl<'s> ErptRender<'s> {
             let camera = (sample.raster, &sample.ray);
             let mut add = |found: Found<'_>| sum += found.energy;
             tracing.trace(&work.space, path, camera, &mut sample.sampler, &mut add);
-            let value = (sum / samples as f32).to_array();
+            let value = (sum * self.direct_weight()).to_array();
             layer.add(&settings.filter, sample.raster, value);
         }
     }

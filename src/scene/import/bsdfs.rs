@@ -6,16 +6,17 @@ use super::xml::{
     did_you_mean,
 };
 use crate::bsdf::{
-    self, Bsdf, BsdfError, ComplexIor, Conductor, Dielectric, Diffuse, Mask, MicrofacetKind, Null,
-    Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic, Roughness, ThinDielectric,
-    TwoSided,
+    self, Bsdf, BsdfError, BumpMap, ComplexIor, Conductor, Dielectric, Diffuse, Mask,
+    MicrofacetKind, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic,
+    Roughness, ThinDielectric, TwoSided,
 };
 use crate::math::Rgb;
 use crate::scene::BsdfId;
 use crate::texture::Texture;
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 12] = [
+const KNOWN: [&str; 13] = [
+    "bumpmap",
     "conductor",
     "dielectric",
     "diffuse",
@@ -36,24 +37,21 @@ impl Loader<'_> {
         if let Some(built) = self.bsdfs.get(&id) {
             return *built;
         }
-        self.anisotropic = false;
+        self.follows_coordinates = false;
         let bsdf = self.build_bsdf(id);
         let built = self.builder.add_bsdf(bsdf);
-        if self.anisotropic {
-            self.needs_tangents.insert(built);
+        if self.follows_coordinates {
+            self.needs_derivatives.insert(built);
         }
         self.bsdfs.insert(id, built);
         built
     }
 
-    /// The material of shapes that name none.
-    pub(super) fn default_bsdf(&mut self) -> BsdfId {
-        if let Some(built) = self.default_bsdf {
-            return built;
-        }
-        let built = self.builder.add_bsdf(Diffuse::new(0.5));
-        self.default_bsdf = Some(built);
-        built
+    /// The material of shapes that name none: grey, or black for those that emit, as in Mitsuba.
+    pub(super) fn default_bsdf(&mut self, emits: bool) -> BsdfId {
+        let known = &mut self.default_bsdfs[usize::from(emits)];
+        let reflectance = if emits { 0.0 } else { 0.5 };
+        *known.get_or_insert_with(|| self.builder.add_bsdf(Diffuse::new(reflectance)))
     }
 
     fn build_bsdf(&mut self, id: ElementId) -> Bsdf {
@@ -68,6 +66,7 @@ impl Loader<'_> {
             "conductor" => self.conductor(&mut reader),
             "null" => Ok(Null.into()),
             "mask" => self.mask(&mut reader),
+            "bumpmap" => Ok(self.bump_map(&mut reader)),
             "plastic" => self.plastic(&mut reader),
             "roughconductor" => self.rough_conductor(&mut reader),
             "roughdielectric" => self.rough_dielectric(&mut reader),
@@ -138,14 +137,48 @@ impl Loader<'_> {
 
     fn mask(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
         let opacity = self.reflectance(reader, "opacity", 0.5);
-        let nested = match reader.child(ElementKind::Bsdf) {
-            Some(nested) => self.build_bsdf(nested),
+        Ok(Mask::new(opacity, self.only_nested(reader)).into())
+    }
+
+    fn bump_map(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
+        let scale = reader.float("scale", 1.0);
+        // The first generation's bumps do not shadow each other.
+        let shadowing = !self.tree.version().is_first_generation();
+        let shadowing = reader.boolean("use_shadowing_function", shadowing);
+        if reader.boolean("flip_invalid_normals", false) {
+            reader.warning(
+                "flip_invalid_normals",
+                "normals that lean away from the viewer are not flipped; they are black",
+            );
+        }
+        let height = match reader.child(ElementKind::Texture) {
+            Some(texture) => self.texture(texture),
             None => {
-                reader.error("", "bsdf \"mask\" holds no material");
-                Diffuse::new(0.5).into()
+                reader.error("", "bsdf \"bumpmap\" holds no texture");
+                None
             }
         };
-        Ok(Mask::new(opacity, nested).into())
+        let nested = self.only_nested(reader);
+        self.follows_coordinates = true;
+        BumpMap::new(
+            height.unwrap_or_else(|| 0.0.into()),
+            scale,
+            shadowing,
+            nested,
+        )
+        .into()
+    }
+
+    /// The one material inside of another.
+    fn only_nested(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
+        match reader.child(ElementKind::Bsdf) {
+            Some(nested) => self.build_bsdf(nested),
+            None => {
+                let message = format!("{} holds no material", reader.element().title());
+                reader.error("", message);
+                Diffuse::new(0.5).into()
+            }
+        }
     }
 
     fn dielectric(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
@@ -280,7 +313,7 @@ impl Loader<'_> {
             (None, None) => Roughness::isotropic(kind, alpha.unwrap_or_else(|| 0.1.into())),
             (along, across) => {
                 let other = || alpha.clone().unwrap_or_else(|| 0.1.into());
-                self.anisotropic = true;
+                self.follows_coordinates = true;
                 Roughness::new(
                     kind,
                     along.unwrap_or_else(other),

@@ -22,15 +22,15 @@ pub(super) struct Loader<'t> {
     pub(super) textures: HashMap<ElementId, Option<Texture>>,
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
     /// The material of shapes that name none.
-    pub(super) default_bsdf: Option<BsdfId>,
+    pub(super) default_bsdfs: [Option<BsdfId>; 2],
     /// The light that surrounds the scene.
     pub(super) environment: Option<ElementId>,
     /// The emitters that stand inside shapes, or that shapes refer to.
     pub(super) area_lights: HashSet<ElementId>,
-    /// Whether the material under construction depends on the direction of the tangent, and those
-    /// that do.
-    pub(super) anisotropic: bool,
-    pub(super) needs_tangents: HashSet<BsdfId>,
+    /// Whether the material under construction asks how positions change with texture coordinates,
+    /// and those that do.
+    pub(super) follows_coordinates: bool,
+    pub(super) needs_derivatives: HashSet<BsdfId>,
     hash: RefCell<Xxh3>,
 }
 
@@ -43,11 +43,11 @@ impl<'t> Loader<'t> {
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             serialized: HashMap::new(),
-            default_bsdf: None,
+            default_bsdfs: [None; 2],
             environment: None,
             area_lights: HashSet::new(),
-            anisotropic: false,
-            needs_tangents: HashSet::new(),
+            follows_coordinates: false,
+            needs_derivatives: HashSet::new(),
             hash: RefCell::new(Xxh3::new()),
         }
     }

@@ -32,7 +32,7 @@ impl Loader<'_> {
         self.warn_of_media(&mut reader);
         let bsdf = match bsdfs.last() {
             Some(bsdf) => self.bsdf(*bsdf),
-            None => self.default_bsdf(),
+            None => self.default_bsdf(emitter.is_some()),
         };
         if bsdfs.len() > 1 {
             reader.warning(
@@ -56,9 +56,10 @@ impl Loader<'_> {
         };
         reader.finish();
         let Some(mut shape) = built else { return };
-        if let (Shape::TriangleMesh(mesh), true) = (&mut shape, self.needs_tangents.contains(&bsdf))
+        if let (Shape::TriangleMesh(mesh), true) =
+            (&mut shape, self.needs_derivatives.contains(&bsdf))
         {
-            mesh.follow_tangents();
+            mesh.follow_coordinates();
         }
         if let Err(error) = self.builder.add_shape(shape, bsdf, radiance) {
             self.problems.error(self.location(id), error.to_string());

@@ -1,0 +1,128 @@
+//! Running a plan: the one place where an integrator meets threads, the clock and signals.
+
+use std::ops::ControlFlow;
+use std::thread;
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::budget::{Budget, Goal};
+use super::failure::Failure;
+use super::monitor::Monitor;
+use super::plan::Plan;
+use super::signals::Interruption;
+use crate::accel;
+use crate::film::{Filter, Layer};
+use crate::integrator::{PixelSettings, Progress, Rendered, render};
+use crate::output::Run;
+use crate::scene::import::{Imported, View};
+
+/// Number of threads that run at once on this machine.
+pub(super) fn all_cores() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Threads to render with.
+///
+/// # Errors
+/// When the system has no more.
+pub(super) fn pool(threads: usize) -> Result<ThreadPool, Failure> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|index| format!("render {index}"))
+        .start_handler(|_| accel::prepare_worker())
+        .build()
+        .map_err(|error| Failure::File(format!("cannot start {threads} threads: {error}")))
+}
+
+/// A render to be made, in a pool of [`pool`].
+pub(super) struct Job<'a> {
+    /// The scene.
+    pub(super) imported: &'a Imported,
+    /// Which of its sensors.
+    pub(super) view: &'a View,
+    /// With which integrator, and which layers.
+    pub(super) plan: &'a Plan,
+    /// The reconstruction filter.
+    pub(super) filter: Filter,
+    /// Start of the random numbers.
+    pub(super) seed: u64,
+    /// How long.
+    pub(super) goal: Goal,
+    /// Threads of the pool, for the record.
+    pub(super) threads: usize,
+}
+
+/// A finished render with its costs.
+pub(super) struct Finished {
+    /// The sums.
+    pub(super) rendered: Rendered,
+    /// What it took, preparations of the integrator included, without loading and writing.
+    pub(super) run: Run,
+    /// By how many seconds the time was overrun.
+    pub(super) overrun: Option<f64>,
+}
+
+impl Job<'_> {
+    /// Renders until the goal is reached or a signal comes.
+    ///
+    /// - `title`: name under which progress is shown; `None` shows nothing.
+    pub(super) fn execute(&self, interruption: &Interruption, title: Option<&str>) -> Finished {
+        interruption.save_from_now_on();
+        let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
+        let (scene, sensor) = (&self.imported.scene, &self.view.sensor);
+        let work = self.plan.integrator.start(scene, sensor, self.settings());
+        let mut budget = Budget::new(self.goal, start.elapsed());
+        let progress = Progress::default();
+        let mut passes = || {
+            let keep_variance = |layer: &Layer| self.plan.variance && work.has_variance(layer);
+            let cancelled = interruption.cancelled();
+            render(&*work, keep_variance, cancelled, &progress, |step| {
+                if budget.allows_another(step.passes, start.elapsed()) {
+                    ControlFlow::Continue(())
+                } else {
+                    ControlFlow::Break(())
+                }
+            })
+        };
+        let rendered = match title {
+            None => passes(),
+            Some(name) => {
+                let monitor = Monitor {
+                    name,
+                    goal: self.goal,
+                    start,
+                    units_per_pass: work.unit_count(),
+                    progress: &progress,
+                };
+                monitor.during(passes)
+            }
+        };
+        let wall = start.elapsed();
+        let cpu_seconds = cpu.and_then(|cpu| cpu.try_elapsed().ok());
+        Finished {
+            rendered,
+            run: Run {
+                wall_seconds: wall.as_secs_f64(),
+                cpu_seconds: cpu_seconds.map_or(f64::NAN, |time| time.as_secs_f64()),
+                threads: self.threads,
+            },
+            overrun: budget.overrun(wall).map(|over| over.as_secs_f64()),
+        }
+    }
+
+    fn settings(&self) -> PixelSettings {
+        PixelSettings {
+            seed: self.seed,
+            film_size: self.view.film_size,
+            window: self.view.window,
+            filter: self.filter,
+            sampler: self.view.sampler,
+            alpha: self.view.alpha,
+            second_moment: self.imported.integrator.second_moment,
+            aovs: self.plan.aovs.clone(),
+            own_layers: self.plan.own_layers.clone(),
+        }
+    }
+}

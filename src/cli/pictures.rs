@@ -1,0 +1,60 @@
+//! Reading pictures that are measured.
+
+use std::path::Path;
+
+use super::args::Crop;
+use super::failure::Failure;
+use crate::image::{ImageError, read_bitmap, read_exr};
+use crate::math::Rgb;
+use crate::output::FileKind;
+use crate::report::Pixels;
+
+/// The colours of an image of any kind.
+pub(super) fn pixels(path: &Path) -> Result<Pixels, ImageError> {
+    let bitmap = read_bitmap(path)?;
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Ok(Pixels {
+        width,
+        height,
+        colours: places.map(|(x, y)| bitmap.rgb(x, y)).collect(),
+    })
+}
+
+/// Variances: the layer of that name, or else the colours.
+pub(super) fn variance(path: &Path) -> Result<Pixels, ImageError> {
+    let is_exr = FileKind::of(path) == Some(FileKind::Exr);
+    if is_exr {
+        let image = read_exr(path)?;
+        if let Some(colours) = image.rgb("variance") {
+            return Ok(Pixels {
+                width: image.width(),
+                height: image.height(),
+                colours: colours.into_iter().map(Rgb::from).collect(),
+            });
+        }
+    }
+    pixels(path)
+}
+
+/// Cuts the wanted part out.
+///
+/// # Errors
+/// [`Failure::Usage`] when it reaches beyond the edges.
+pub(super) fn cropped(image: Pixels, crop: Option<Crop>) -> Result<Pixels, Failure> {
+    let Some(Crop {
+        x,
+        y,
+        width,
+        height,
+    }) = crop
+    else {
+        return Ok(image);
+    };
+    image.crop(x, y, width, height).ok_or_else(|| {
+        Failure::Usage(format!(
+            "--crop {x},{y},{width},{height} reaches beyond the {}x{} pixels of the images",
+            image.width, image.height
+        ))
+    })
+}

@@ -1,0 +1,274 @@
+//! `lumiflow bench`: what is measured is what it says, and what is done is kept.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+
+use lumiflow::image::write_png;
+use serde_json::Value;
+
+use super::interrupt::send;
+use super::{Done, Place, without_run};
+
+/// The small room with a reference of ours, made with a seed that is not measured.
+fn measured_room() -> Place {
+    let place = Place::with_room();
+    let render = ["render", "room.xml", "-q", "--spp", "256", "--seed", "99"];
+    let reference = ["--aov", "variance", "-o", "reference.exr"];
+    place.succeed(&[&render[..], &reference].concat());
+    fs::copy(place.path("reference.exr"), place.path("reference_var.exr")).unwrap();
+    place
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn read(place: &Place, name: &str) -> String {
+    fs::read_to_string(place.path(name)).unwrap()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Checks the constants of twelve runs, and their medians.
+fn check_sums(all: &Value) {
+    let runs = all["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 12);
+    for run in runs {
+        let corrected = number(&run["relmse"]) - number(&run["reference_noise"]);
+        // Reading JSON rounds the last digit.
+        assert!((number(&run["relmse_corrected"]) - corrected).abs() < 1e-12 * corrected);
+        let efficiency = number(&run["efficiency"]);
+        assert!(efficiency > 0.0);
+        let product = corrected * number(&run["cpu_s"]);
+        assert!((efficiency - product).abs() < 1e-12 * product, "{run}");
+    }
+    let summary = all["summary"].as_array().unwrap();
+    assert_eq!(summary.len(), 4);
+    for row in summary {
+        let same = |run: &&Value| ["integrator", "budget"].iter().all(|k| run[*k] == row[*k]);
+        let own = runs.iter().filter(same);
+        let values: Vec<f64> = own.map(|run| number(&run["efficiency"])).collect();
+        assert_eq!(values.len(), 3);
+        assert_eq!(number(&row["efficiency"]["median"]), median(values));
+        assert!(number(&row["mean_ratio"]["standard_error"]) > 0.0);
+    }
+}
+
+#[test]
+fn every_run_is_measured_and_the_seeds_are_put_together() {
+    let place = measured_room();
+    let bench = ["bench", "room.xml", "-i", "path,direct", "--spp", "2,4"];
+    let rest = ["--set", "path.max_depth=4", "--seeds", "3", "-o", "out"];
+    let done = place.succeed(&[&bench[..], &rest].concat());
+
+    let lines: Vec<&str> = done
+        .stdout
+        .lines()
+        .take_while(|l| l.starts_with('|'))
+        .collect();
+    let head: Vec<&str> = lines[0]
+        .trim_matches('|')
+        .split('|')
+        .map(str::trim)
+        .collect();
+    let columns = "scene,integrator,budget,seeds,CPU s,spp,relMSE,corrected,FLIP,mean ratio,\
+                   efficiency,min … max,Mpaths/CPU s";
+    assert_eq!(head.join(","), columns);
+    assert_eq!(lines.len(), 2 + 4, "{}", done.stdout);
+    assert!(
+        lines
+            .iter()
+            .all(|l| l.chars().count() == lines[0].chars().count())
+    );
+    assert!(
+        done.stdout
+            .contains("- room: 384 of 384 pixels count; the reference's noise is ")
+    );
+    assert_eq!(
+        done.stderr.lines().count(),
+        12,
+        "a line for each run: {}",
+        done.stderr
+    );
+
+    assert!(read(&place, "out/bench.md").contains(done.stdout.trim_end()));
+    assert_eq!(read(&place, "out/bench.csv").lines().count(), 1 + 12);
+    let all: Value = serde_json::from_str(&read(&place, "out/bench.json")).unwrap();
+    assert_eq!(all["complete"], true);
+    assert_eq!(all["scenes"][0]["integrators"]["path"]["max_depth"], 4);
+    check_sums(&all);
+}
+
+#[test]
+fn a_run_is_what_render_and_compare_make_of_it() {
+    let place = measured_room();
+    let bench = [
+        "bench", "room.xml", "--spp", "3", "--seeds", "2", "--seed", "7",
+    ];
+    let done = place.succeed(&[&bench[..], &["-o", "out", "-q", "--json"]].concat());
+    assert_eq!(done.stderr, "");
+    let run = done.json()["runs"][0].clone();
+    assert_eq!(
+        (run["seed"].as_u64(), run["spp"].as_u64()),
+        (Some(7), Some(3))
+    );
+    assert_eq!(run["paths"], 3 * 24 * 16);
+    let render = [
+        "render", "room.xml", "--spp", "3", "--seed", "7", "-q", "-o", "a.exr",
+    ];
+    place.succeed(&render);
+    let image = place.exr("out/room-path-3spp.exr");
+    assert!(without_run(image) == without_run(place.exr("a.exr")));
+    assert!(place.path("out/room-path-3spp.png").is_file());
+    let compare = ["compare", "a.exr", "reference.exr", "--json"];
+    let variance = ["--reference-variance", "reference.exr"];
+    let found = place.succeed(&[&compare[..], &variance].concat()).json();
+    for name in [
+        "mse",
+        "relmse",
+        "relmse_corrected",
+        "reference_noise",
+        "flip",
+    ] {
+        assert_eq!(run[name], found[name], "{name}");
+    }
+    assert_eq!(run["mean_ratio"], found["means"]["luminance"]["ratio"]);
+}
+
+#[test]
+fn masks_rows_and_crops_leave_pixels_out() {
+    let place = measured_room();
+    let pixels = |more: &[&str]| {
+        let bench = [
+            "bench", "room.xml", "--spp", "1", "--seeds", "1", "-q", "--json",
+        ];
+        let found = place.succeed(&[&bench[..], more].concat()).json();
+        found["scenes"][0]["pixels"].as_u64().unwrap()
+    };
+    assert_eq!(pixels(&["--skip-rows", "1"]), 24 * 14);
+    let mask: Vec<[f32; 3]> = (0..24 * 16)
+        .map(|i| if i % 24 < 4 { [1.0; 3] } else { [0.0; 3] })
+        .collect();
+    write_png(&place.path("emitter_mask.png"), 24, 16, &mask, 0.0).unwrap();
+    assert_eq!(pixels(&[]), 20 * 16);
+    assert_eq!(pixels(&["--mask", "none"]), 24 * 16);
+    assert_eq!(pixels(&["--crop", "2,0,4,16", "--skip-rows", "2"]), 2 * 12);
+}
+
+#[test]
+fn several_scenes_have_references_of_their_own() {
+    let place = measured_room();
+    let room = read(&place, "room.xml");
+    for name in ["a", "b"] {
+        place.write(&format!("{name}/scene.xml"), &room);
+        fs::copy(
+            place.path("reference.exr"),
+            place.path(&format!("{name}/{name}.exr")),
+        )
+        .unwrap();
+    }
+    let scenes = [
+        "bench",
+        "a/scene.xml",
+        "b/scene.xml",
+        "--spp",
+        "1",
+        "-q",
+        "--seeds",
+        "1",
+    ];
+    let done = place.succeed(&[&scenes[..], &["--reference", "{dir}/{name}.exr"]].concat());
+    assert!(done.stdout.contains("| a     | path") && done.stdout.contains("| b     | path"));
+    assert!(done.stdout.contains("the reference's noise is unknown"));
+    let one_for_all = [&scenes[..], &["--reference", "reference.exr"]].concat();
+    place.fail(&one_for_all, 2, "several scenes need {dir} or {name}");
+    let same_name = [
+        "bench",
+        "a/scene.xml",
+        "a/scene.xml",
+        "--spp",
+        "1",
+        "--reference",
+        "{dir}/a.exr",
+    ];
+    place.fail(&same_name, 2, "scene: a is given twice");
+    // A scene that fails does not keep the other from being measured.
+    place.write(
+        "a/scene.xml",
+        "<scene version=\"3.0.0\"><bsdf type=\"difuse\"/></scene>",
+    );
+    let half = place.run(&[&scenes[..], &["--reference", "{dir}/{name}.exr"]].concat());
+    assert_eq!(half.code, Some(3));
+    assert!(half.stdout.contains("| b     | path") && half.stdout.contains("Incomplete: 1 of 2"));
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_rendered() {
+    let place = Place::with_room();
+    let bench =
+        |more: &[&'static str]| [&["bench", "room.xml", "--spp", "1", "-o", "out"], more].concat();
+    let missing = "no reference for room.xml: there is no file ./reference.exr; name another";
+    place.fail(&bench(&[]), 4, missing);
+    place.fail(
+        &bench(&["--reference", "x.exr"]),
+        4,
+        "there is no file x.exr",
+    );
+    let place = measured_room();
+    let before = place.names();
+    place.fail(&bench(&["-i", "path,dirct"]), 2, "did you mean \"direct\"?");
+    place.fail(
+        &bench(&["--set", "depth.x=1"]),
+        2,
+        "no integrator \"depth\" takes part",
+    );
+    place.fail(&["bench", "room.xml"], 2, "--time");
+    assert_eq!(place.names(), before);
+    let sizes = "room.xml is 12x8, but ./reference.exr is 24x16";
+    place.fail(&bench(&["--size", "12x8"]), 2, sizes);
+    let equal = bench(&["--seed", "98", "--seeds", "2"]);
+    let done = place.succeed(&equal);
+    assert!(
+        done.stderr.contains("was rendered with seed 99"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
+fn a_signal_keeps_the_runs_that_are_complete() {
+    let place = measured_room();
+    let bench = ["bench", "room.xml", "--spp", "1,1000000000", "-o", "out"];
+    let mut child = place.command(&bench).spawn().expect("the command starts");
+    let mut stderr = BufReader::new(child.stderr.take().expect("stderr is piped"));
+    let mut line = String::new();
+    stderr.read_line(&mut line).unwrap();
+    assert!(
+        line.contains("room path 1 spp seed 1 (1/10): relMSE "),
+        "{line}"
+    );
+    send("INT", &child);
+    let done = Done::from(child.wait_with_output().expect("the command ends"));
+    stderr.read_to_string(&mut line).unwrap();
+    assert_eq!(done.code, Some(130), "{line}");
+    assert!(
+        done.stdout.contains("| path       | 1 spp  |     1 |"),
+        "{}",
+        done.stdout
+    );
+    assert!(
+        done.stdout.contains("Incomplete: 1 of 10 renders."),
+        "{}",
+        done.stdout
+    );
+    let all: Value = serde_json::from_str(&read(&place, "out/bench.json")).unwrap();
+    assert_eq!(
+        (&all["complete"], all["runs"].as_array().unwrap().len()),
+        (&Value::Bool(false), 1)
+    );
+}
