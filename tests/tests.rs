@@ -1,8 +1,10 @@
 //! All integration tests in one binary: one link step.
 
 mod agreement;
+mod balance;
 mod chi_square;
 mod cli;
+mod density_forms;
 mod determinism;
 mod erpt;
 mod furnace;
@@ -10,11 +12,14 @@ mod golden;
 mod hidden_emitters;
 mod import;
 mod invariance;
+mod indifference;
 mod layering;
 mod meshes;
 mod mitsuba_materials;
+mod paths;
 mod reference;
 mod scales;
 mod scattering;
 mod sources;
 mod support;
+mod transitions;

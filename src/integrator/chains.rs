@@ -2,7 +2,7 @@
 
 use crate::math::Vec2;
 use crate::mutation::{
-    AngleKernel, CausticKernel, Choice, Mutation, Perturbation, RasterDomain, RasterKernel,
+    AngleKernel, CausticKernel, Choice, Fault, Mutation, Perturbation, RasterDomain, RasterKernel,
 };
 use crate::scene::options::{OptionError, OptionReader};
 use crate::sensor::{Sensor, SensorModel};
@@ -75,6 +75,7 @@ impl MutationOptions {
             caustic,
             lens: self.lens,
             domain,
+            fault: Fault::None,
         }
     }
 }

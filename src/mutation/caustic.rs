@@ -1,7 +1,8 @@
 //! The caustic perturbation.
 
+use super::fault;
 use super::kernel::{AngleKernel, turned};
-use super::{Mutate, Perturbation, Rejection};
+use super::{Fault, Mutate, Perturbation, Rejection};
 use crate::accel::Ray;
 use crate::emitter::EmitterClass;
 use crate::math::Vec3;
@@ -40,7 +41,7 @@ pub enum CausticKernel {
 pub struct CausticPerturbation;
 
 /// Index of the vertex whose outgoing direction is turned.
-fn head(path: &Path) -> Option<usize> {
+pub(super) fn head(path: &Path) -> Option<usize> {
     let vertices = path.vertices();
     if vertices.get(1)?.event != Event::Finite {
         return None;
@@ -54,7 +55,7 @@ fn head(path: &Path) -> Option<usize> {
 }
 
 /// Largest angle of [`CausticKernel::Pixels`] at a path.
-fn largest_angle(path: &Path, head: usize, angle: f32) -> f32 {
+pub(super) fn largest_angle(path: &Path, head: usize, angle: f32) -> f32 {
     let vertices = path.vertices();
     let length = |a: &PathVertex, b: &PathVertex| a.position().distance(b.position());
     let chain: f32 = vertices[1..=head]
@@ -90,21 +91,28 @@ impl Mutate for CausticPerturbation {
         else {
             return 0.0;
         };
-        let pixels = f64::from(space.sensor.pixels_per_steradian(seen));
-        let mut target = path.luminance() * pixels / f64::from(distance_squared);
-        target *= f64::from(vertices[1].geometric_cos(seen));
-        target *= f64::from(vertices[head].geometric_cos(out));
+        let keep = |fault, factor| settings.fault.keep(fault, f64::from(factor));
+        let cos = |index: usize, direction| vertices[index].geometric_cos(direction);
+        let mut target = fault::path_luminance(space, settings, path);
+        target *= keep(
+            Fault::PixelsPerSteradian,
+            space.sensor.pixels_per_steradian(seen),
+        );
+        target /= keep(Fault::ImageDistance, distance_squared);
+        target *= keep(Fault::ImageCosine, cos(1, seen));
+        target *= keep(Fault::HeadCosine, cos(head, out));
         // The value at x_1 holds the cosine to the shading normal: f_s is that over the true one.
-        target /= f64::from(vertices[1].geometric_cos(in_1));
-        for vertex in &vertices[2..head] {
-            target *= f64::from(vertex.adjoint);
+        target /= keep(Fault::FirstCosine, cos(1, in_1));
+        for index in 2..head {
+            target *= fault::adjoint(space, settings, path, index);
         }
         if let CausticKernel::Pixels {
             pixels,
             angle_of_pixel,
         } = settings.caustic
         {
-            target /= f64::from(largest_angle(path, head, pixels * angle_of_pixel));
+            let largest = largest_angle(path, head, pixels * angle_of_pixel);
+            target /= keep(Fault::LargestAngle, largest);
         }
         target
     }
@@ -138,7 +146,8 @@ impl Mutate for CausticPerturbation {
             angle_of_pixel,
         } = settings.caustic
         {
-            if angle > largest_angle(proposal, head, pixels * angle_of_pixel) {
+            let largest = largest_angle(proposal, head, pixels * angle_of_pixel);
+            if angle > largest && !settings.fault.is(Fault::WayBack) {
                 return Err(Rejection::NoWayBack);
             }
         }

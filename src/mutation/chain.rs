@@ -1,6 +1,6 @@
 //! One Markov chain of paths.
 
-use super::{Choose, Mutate, Mutation, MutationStatistics, Perturbation};
+use super::{Choose, Fault, Mutate, Mutation, MutationStatistics, Perturbation};
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
@@ -91,7 +91,13 @@ impl Chain {
         let target = mutation.target(space, settings, &self.proposal);
         let choices = choice.probability(&self.proposal, mutation)
             / choice.probability(&self.current, mutation);
-        let ratio = target / here * choices;
+        let choices = settings.fault.keep(Fault::Choice, choices);
+        let excess = if settings.fault.is(Fault::Ratio) {
+            1.01
+        } else {
+            1.0
+        };
+        let ratio = target / here * choices * excess;
         // Not a number, infinite or zero: nothing that a chain could go to.
         let acceptance = if ratio.is_finite() && here > 0.0 {
             ratio.clamp(0.0, 1.0)

@@ -1,7 +1,7 @@
 //! Rebuilding a path from the sensor: what lens, multi-chain and Lai lens perturbation share.
 
 use super::kernel::{AngleKernel, turned};
-use super::{Perturbation, Rejection};
+use super::{Fault, Perturbation, Rejection};
 use crate::accel::Ray;
 use crate::emitter::EmitterClass;
 use crate::math::Vec3;
@@ -82,7 +82,7 @@ pub(super) fn rebuild(
             };
             ray = scatter(
                 space,
-                redirect,
+                (redirect, settings.fault),
                 proposal,
                 (index, &mut vertex, met.back),
                 random,
@@ -113,7 +113,7 @@ fn pass(space: &PathSpace<'_>, vertex: &mut PathVertex, to_eye: Vec3) -> Result<
 /// Sends a finite vertex's path on to a specular vertex.
 fn scatter(
     space: &PathSpace<'_>,
-    redirect: Redirect,
+    (redirect, fault): (Redirect, Fault),
     current: &Path,
     (index, vertex, to_eye): (usize, &mut PathVertex, Vec3),
     random: &mut Stream,
@@ -122,7 +122,8 @@ fn scatter(
     let (old, next) = (&current.vertices()[index], &current.vertices()[index + 1]);
     let direction = match redirect {
         Redirect::Turn(kernel) => {
-            let (old_direction, _) = space.edge(old, next).ok_or(Rejection::Dark)?;
+            let from = if fault.is(Fault::Aim) { &*vertex } else { old };
+            let (old_direction, _) = space.edge(from, next).ok_or(Rejection::Dark)?;
             let angle = kernel.angle(random.next_f32());
             turned(old_direction, angle, random.next_f32())
         }
@@ -200,9 +201,24 @@ fn connect(
 
 /// Factor that turns a density of directions at the last moved vertex into one of what it is
 /// connected to; one where the path reaches its light by a ray.
-pub(super) fn connection_factor(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
-    match path.vertices().get(last + 1) {
-        Some(next) => space.solid_angle_per_area(&path.vertices()[last], next),
-        None => 1.0,
+pub(super) fn connection_factor(
+    space: &PathSpace<'_>,
+    settings: &Perturbation,
+    path: &Path,
+    last: usize,
+) -> f64 {
+    let from = &path.vertices()[last];
+    let Some(next) = path.vertices().get(last + 1) else {
+        return 1.0;
+    };
+    let factor = space.solid_angle_per_area(from, next);
+    match space.edge(from, next) {
+        Some((_, squared)) if settings.fault.is(Fault::ConnectionDistance) => {
+            factor * f64::from(squared)
+        }
+        Some((direction, _)) if settings.fault.is(Fault::ConnectionCosine) => {
+            factor / f64::from(next.geometric_cos(direction))
+        }
+        _ => factor,
     }
 }

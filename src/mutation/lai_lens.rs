@@ -1,7 +1,8 @@
 //! Lai's lens perturbation.
 
+use super::fault::path_luminance;
 use super::forward::{Redirect, connection_factor, last_moved, rebuild};
-use super::{Mutate, Perturbation, Rejection};
+use super::{Fault, Mutate, Perturbation, Rejection};
 use crate::path::{Event, Path, PathSpace};
 use crate::random::Stream;
 
@@ -24,14 +25,16 @@ impl Mutate for LaiLensPerturbation {
     /// The coordinates are the positions of the vertices that stay: every direction to one brings the
     /// solid angle that its area takes up.
     #[inline]
-    fn target(&self, space: &PathSpace<'_>, _: &Perturbation, path: &Path) -> f64 {
+    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
         let Some(last) = last_moved(path, usize::MAX) else {
             return 0.0;
         };
-        let mut target = path.luminance() * connection_factor(space, path, last);
+        let mut target =
+            path_luminance(space, settings, path) * connection_factor(space, settings, path, last);
         for pair in path.vertices()[..=last].windows(2) {
             if pair[0].event == Event::Finite && pair[1].event.is_dirac() {
-                target *= space.solid_angle_per_area(&pair[0], &pair[1]);
+                let factor = space.solid_angle_per_area(&pair[0], &pair[1]);
+                target *= settings.fault.keep(Fault::Area, factor);
             }
         }
         target

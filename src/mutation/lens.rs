@@ -1,5 +1,6 @@
 //! The lens perturbation.
 
+use super::fault::path_luminance;
 use super::forward::{connection_factor, last_moved, rebuild};
 use super::{Mutate, Perturbation, Rejection};
 use crate::path::{Path, PathSpace};
@@ -21,9 +22,9 @@ impl Mutate for LensPerturbation {
     }
 
     #[inline]
-    fn target(&self, space: &PathSpace<'_>, _: &Perturbation, path: &Path) -> f64 {
+    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
         last_moved(path, 0).map_or(0.0, |last| {
-            path.luminance() * connection_factor(space, path, last)
+            path_luminance(space, settings, path) * connection_factor(space, settings, path, last)
         })
     }
 

@@ -11,22 +11,26 @@
 mod caustic;
 mod chain;
 mod choice;
+mod fault;
 mod forward;
 mod kernel;
 mod lai_lens;
 mod lens;
 mod lens_point;
 mod multi_chain;
+mod ratio;
 mod rejection;
 mod statistics;
 
 pub use caustic::{CausticKernel, CausticPerturbation};
 pub use chain::{Chain, Proposed};
 pub use choice::{Choice, Choose};
+pub use fault::Fault;
 pub use kernel::{AngleKernel, RasterKernel, turned};
 pub use lai_lens::LaiLensPerturbation;
 pub use lens::LensPerturbation;
 pub use multi_chain::MultiChainPerturbation;
+pub use ratio::{log_ratio_by_measure, log_ratio_by_rules, log_transition};
 pub use rejection::Rejection;
 pub use statistics::MutationStatistics;
 
@@ -47,6 +51,8 @@ pub struct Perturbation {
     pub lens: f32,
     /// Where paths are seen.
     pub domain: RasterDomain,
+    /// What is wrong on purpose: nothing, except in tests of tests.
+    pub fault: Fault,
 }
 
 /// The raster positions that count: the film with as much around it as its filter reaches.

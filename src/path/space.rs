@@ -230,7 +230,7 @@ impl<'s> PathSpace<'s> {
     }
 
     #[inline]
-    fn dirac(
+    pub(super) fn dirac(
         &self,
         vertex: &PathVertex,
         event: Event,

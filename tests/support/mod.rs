@@ -2,9 +2,12 @@
 
 pub(crate) mod directions;
 pub(crate) mod effort;
+pub(crate) mod factors;
 pub(crate) mod faulty;
 pub(crate) mod hard_scenes;
 pub(crate) mod materials;
 pub(crate) mod render;
 pub(crate) mod scenes;
+pub(crate) mod seeds;
 pub(crate) mod source_code;
+pub(crate) mod stages;

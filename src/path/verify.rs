@@ -1,0 +1,231 @@
+//! Checks a path from scratch.
+
+use std::fmt;
+
+use super::{Event, Path, PathSpace, PathVertex, VertexKind};
+use crate::emitter::EmitterClass;
+use crate::math::{Rgb, Vec3};
+use crate::sensor::SensorModel;
+
+/// A claim that a path makes about itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Claim {
+    /// It begins at the sensor, ends at a light, and scatters at surfaces in between.
+    Shape,
+    /// Its first vertex is on the lens.
+    OnLens,
+    /// It is seen where it says.
+    Raster,
+    /// Nothing stands between two vertices.
+    Visibility,
+    /// A Dirac vertex sends light to the next vertex.
+    Direction,
+    /// What a vertex contributes.
+    Value,
+    /// The factor between the two ways of following a Dirac vertex.
+    Adjoint,
+    /// What the light sends.
+    Emission,
+}
+
+/// A claim that does not hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Broken {
+    /// What was claimed.
+    pub claim: Claim,
+    /// Index of the vertex that it is about.
+    pub vertex: usize,
+    /// By how much it fails, in units of what is tolerated.
+    pub excess: f32,
+}
+
+impl fmt::Display for Broken {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            claim,
+            vertex,
+            excess,
+        } = self;
+        write!(
+            f,
+            "{claim:?} at vertex {vertex}: {excess} times the tolerance"
+        )
+    }
+}
+
+/// How far a path may be from what is computed anew: positions were rounded, and directions between
+/// them are not quite those in which they were found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Distance on the image in pixels.
+    pub raster: f32,
+    /// Angle between a Dirac vertex's ray and the edge to the next, times the cosine of that edge: near
+    /// total reflection a little changes much. What positions may be off by comes on top.
+    pub direction: f32,
+    /// Relative difference of values, against their largest channel.
+    pub value: f32,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self {
+            raster: 0.01,
+            direction: 2e-5,
+            value: 1e-2,
+        }
+    }
+}
+
+/// A claim with the vertex that it is about, and how far it is off in units of the tolerance.
+type Finding = (Claim, usize, f32);
+
+impl Path {
+    /// Recomputes everything that the path says about itself.
+    ///
+    /// # Errors
+    /// The claim that is farthest off, where one is off by more than is tolerated.
+    pub fn verify(&self, space: &PathSpace<'_>, tolerance: &Tolerance) -> Result<(), Broken> {
+        let findings = self.findings(space, tolerance);
+        let worst = findings.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
+        match worst {
+            Some((claim, vertex, excess)) if excess.is_nan() || excess > 1.0 => Err(Broken {
+                claim,
+                vertex,
+                excess,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn findings(&self, space: &PathSpace<'_>, tolerance: &Tolerance) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        if let Some(vertex) = self.misshapen() {
+            return vec![(Claim::Shape, vertex, f32::INFINITY)];
+        }
+        self.check_lens(space, tolerance, &mut findings);
+        let vertices = self.vertices();
+        for index in 1..self.edges() {
+            if !space.is_visible(&vertices[index], &vertices[index + 1]) {
+                findings.push((Claim::Visibility, index, f32::INFINITY));
+            }
+            self.check_scattering(space, tolerance, index, &mut findings);
+        }
+        self.check_light(space, tolerance, &mut findings);
+        findings
+    }
+
+    /// Index of a vertex that cannot be where it is.
+    fn misshapen(&self) -> Option<usize> {
+        let vertices = self.vertices();
+        let is_right = |(index, vertex): (usize, &PathVertex)| match vertex.event {
+            Event::Measurement => index == 0 && vertex.kind == VertexKind::Sensor,
+            Event::Emission(class) => {
+                let kind = match class {
+                    EmitterClass::Area => VertexKind::Surface,
+                    EmitterClass::Point => VertexKind::Point,
+                    EmitterClass::Directional | EmitterClass::Environment => VertexKind::Infinity,
+                };
+                index > 0 && index + 1 == vertices.len() && vertex.kind == kind
+            }
+            _ => index > 0 && index + 1 < vertices.len() && vertex.kind == VertexKind::Surface,
+        };
+        if vertices.len() < 2 {
+            return Some(0);
+        }
+        vertices.iter().enumerate().position(|each| !is_right(each))
+    }
+
+    fn check_lens(&self, space: &PathSpace<'_>, tolerance: &Tolerance, to: &mut Vec<Finding>) {
+        let (lens, first) = (&self.vertices()[0], &self.vertices()[1]);
+        let sensor = space.sensor;
+        let coordinates = sensor.lens_coordinates(lens.position());
+        let off = sensor.lens_point(coordinates).distance(lens.position());
+        // A rounded position has rounded coordinates.
+        let is_on_lens = coordinates.length() <= 1.001 && off <= 1e-3;
+        let seen = match first.kind {
+            VertexKind::Infinity => sensor.raster_at(lens.position(), first.position()),
+            _ => space.seen_at(first, lens),
+        };
+        to.push((
+            Claim::OnLens,
+            0,
+            if is_on_lens { 0.0 } else { f32::INFINITY },
+        ));
+        to.push(match seen {
+            Some(raster) => {
+                let off = raster.distance(self.raster());
+                (Claim::Raster, 0, off / tolerance.raster)
+            }
+            None => (Claim::Visibility, 0, f32::INFINITY),
+        });
+    }
+
+    fn check_scattering(
+        &self,
+        space: &PathSpace<'_>,
+        tolerance: &Tolerance,
+        index: usize,
+        to: &mut Vec<Finding>,
+    ) {
+        let vertices = self.vertices();
+        let vertex = &vertices[index];
+        let edge = |other: usize| space.edge(vertex, &vertices[other]);
+        let (Some((to_eye, _)), Some((to_light, _))) = (edge(index - 1), edge(index + 1)) else {
+            return to.push((Claim::Shape, index, f32::INFINITY));
+        };
+        if !vertex.event.is_dirac() {
+            let value = space.finite_value(vertex, to_eye, to_light);
+            let off = difference(value, vertex.value) / tolerance.value;
+            return to.push((Claim::Value, index, off));
+        }
+        match space.follow(vertex, vertex.event, to_eye) {
+            Some(followed) => {
+                let allowed = tolerance.direction + self.direction_error(index);
+                let off = followed.direction.distance(to_light) / allowed;
+                to.push((
+                    Claim::Direction,
+                    index,
+                    off * vertex.geometric_cos(to_light),
+                ));
+                let off = difference(followed.value, vertex.value) / tolerance.value;
+                to.push((Claim::Value, index, off));
+                let off = (followed.adjoint / vertex.adjoint - 1.0).abs() / tolerance.value;
+                to.push((Claim::Adjoint, index, off));
+            }
+            None => to.push((Claim::Direction, index, f32::INFINITY)),
+        }
+    }
+
+    /// How far directions at a vertex may be off, since positions are, in radians.
+    fn direction_error(&self, index: usize) -> f32 {
+        let around = &self.vertices()[index - 1..=index + 1];
+        // Rays start off the surface by the error, and end within it.
+        let error = 4.0 * around.iter().map(|v| v.point.error).fold(0.0, f32::max);
+        let length = |pair: &[PathVertex]| match pair[1].kind {
+            VertexKind::Infinity => f32::INFINITY,
+            _ => pair[0].position().distance(pair[1].position()),
+        };
+        error / around.windows(2).map(length).fold(f32::INFINITY, f32::min)
+    }
+
+    fn check_light(&self, space: &PathSpace<'_>, tolerance: &Tolerance, to: &mut Vec<Finding>) {
+        let (vertices, last) = (self.vertices(), self.edges());
+        let light = &vertices[last];
+        let to_eye = match light.kind {
+            VertexKind::Infinity => Vec3::ZERO,
+            _ => match space.edge(light, &vertices[last - 1]) {
+                Some((direction, _)) => direction,
+                None => return to.push((Claim::Shape, last, f32::INFINITY)),
+            },
+        };
+        let emission = space.emission(light, to_eye);
+        let off = difference(emission, light.value) / tolerance.value;
+        to.push((Claim::Emission, last, off));
+    }
+}
+
+/// Difference of two colours, against the largest channel.
+fn difference(a: Rgb, b: Rgb) -> f32 {
+    let largest = a.max_channel().max(b.max_channel());
+    (a.0 - b.0).abs().max_element() / largest
+}

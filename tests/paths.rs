@@ -1,0 +1,127 @@
+//! Paths are what they say, whatever made them: the path tracer, or a long chain of mutations.
+
+use lumiflow::mutation::{CausticPerturbation, Chain, Choice, Choose, Mutation};
+use lumiflow::path::{Claim, Path, Tolerance};
+use lumiflow::random::{Purpose, Stream};
+
+use crate::support::effort::samples;
+use crate::support::seeds::{TRACING, numbers, space, trace};
+use crate::support::stages::{Stage, moves, stage_of, stages};
+
+/// Steps of a chain.
+const LENGTH: u32 = 60;
+
+/// Runs chains of one mutation from a stage's paths; hands out every accepted state.
+fn states(stage: &Stage, mutation: Mutation, wanted: u32, mut state: impl FnMut(&Path)) -> u32 {
+    let space = space(stage);
+    let (mut path, mut chain) = (Path::default(), Chain::default());
+    let mut weights = [0.0; Mutation::COUNT];
+    weights[mutation as usize] = 1.0;
+    let choice = Choice {
+        weights,
+        by_rule: false,
+    };
+    let mut accepted = 0;
+    for sample in 0..30 * wanted {
+        let mut random = numbers(31, sample);
+        trace(&space, &TRACING, (31, sample), &mut path, &mut |found| {
+            let seed = found.path.filter(|seed| choice.choose(seed, 0.0).is_some());
+            let Some(seed) = seed.filter(|_| accepted < wanted) else {
+                return;
+            };
+            chain.start(seed);
+            for _ in 0..LENGTH {
+                let proposed = chain.propose(&space, &moves(), &choice, &mut random);
+                let Some(proposed) = proposed else { continue };
+                let is_accepted = f64::from(random.next_f32()) < proposed.acceptance;
+                chain.settle(proposed, is_accepted);
+                if is_accepted {
+                    accepted += 1;
+                    state(chain.current());
+                }
+            }
+        });
+        if accepted >= wanted {
+            break;
+        }
+    }
+    accepted
+}
+
+#[test]
+fn the_tracer_makes_paths_that_are_what_they_say() {
+    let tolerance = Tolerance::default();
+    let mut count = 0;
+    for stage in stages() {
+        let space = space(&stage);
+        let mut path = Path::default();
+        for sample in 0..samples(300) {
+            trace(&space, &TRACING, (30, sample), &mut path, &mut |found| {
+                let Some(path) = found.path else { return };
+                count += 1;
+                if let Err(broken) = path.verify(&space, &tolerance) {
+                    panic!("{}: {}: {broken}", stage.name, path.signature());
+                }
+            });
+        }
+    }
+    assert!(count > 4000, "{count}");
+}
+
+#[test]
+fn chains_go_to_paths_that_are_what_they_say() {
+    let tolerance = Tolerance::default();
+    let mut totals = [0; Mutation::COUNT];
+    for stage in stages() {
+        for mutation in Mutation::ALL {
+            let space = space(&stage);
+            totals[*mutation as usize] += states(&stage, *mutation, samples(1_200), |path| {
+                if let Err(broken) = path.verify(&space, &tolerance) {
+                    let name = mutation.name();
+                    panic!("{} {name}: {}: {broken}", stage.name, path.signature());
+                }
+            });
+        }
+    }
+    println!("accepted states: {totals:?}");
+    assert!(totals.iter().all(|total| *total >= 10_000), "{totals:?}");
+}
+
+#[test]
+fn paths_that_are_not_what_they_say_are_found() {
+    let stage = stage_of("smooth glass");
+    let space = space(&stage);
+    let tolerance = Tolerance::default();
+    let mut random = Stream::new(32, Purpose::Check, 0, 0);
+    let mut found = Vec::new();
+    states(&stage, Mutation::Caustic, 4_000, |path| {
+        if !CausticPerturbation::is_caustic(path) {
+            return;
+        }
+        let mut broken = |change: &dyn Fn(&mut Path)| {
+            let mut copy = path.clone();
+            change(&mut copy);
+            found.extend(copy.verify(&space, &tolerance).err().map(|b| b.claim));
+        };
+        let by = 1.0 + 0.1 * (0.5 + random.next_f32());
+        let last = path.edges();
+        broken(&|p| p.set_raster(p.raster() + 0.1 * by));
+        broken(&|p| p.vertices_mut()[1].value *= by);
+        broken(&|p| p.vertices_mut()[2].adjoint *= by);
+        broken(&|p| p.vertices_mut()[last].value *= by);
+        broken(&|p| p.vertices_mut()[0].event = p.vertices()[1].event);
+        // The first vertex after the glass is then elsewhere.
+        broken(&|p| p.vertices_mut()[last].point.position *= by);
+    });
+    for claim in [
+        Claim::Raster,
+        Claim::Value,
+        Claim::Adjoint,
+        Claim::Emission,
+        Claim::Shape,
+        Claim::Direction,
+    ] {
+        let count = found.iter().filter(|found| **found == claim).count();
+        assert!(count >= 100, "{claim:?} was found {count} times");
+    }
+}
