@@ -23,6 +23,23 @@ const DEFAULT_SIZE: (i64, i64) = (768, 576);
 /// The largest width and height.
 const LARGEST_SIDE: i64 = 65_536;
 
+/// Properties of a film that say how its file is written, which is asked on the command line.
+const FILE_OPTIONS: [&str; 13] = [
+    "file_format",
+    "banner",
+    "attach_log",
+    "high_quality_edges",
+    "gamma",
+    "exposure",
+    "tonemap_method",
+    "label",
+    "compensate",
+    "sample_border",
+    "variable",
+    "key",
+    "burn",
+];
+
 impl Loader<'_> {
     /// Reads a sensor; `None` after noting why there is none.
     ///
@@ -86,44 +103,9 @@ impl Loader<'_> {
             Some(filter) => self.filter(filter),
             None => Filter::new(FilterKind::Gaussian { stddev: 0.5 }),
         };
-        let alpha = [
-            ("rgb", false),
-            ("rgba", true),
-            ("luminance", false),
-            ("luminance_alpha", true),
-        ];
-        let alpha = match reader
-            .optional_string("pixel_format")
-            .map(str::to_lowercase)
-        {
-            None => false,
-            Some(format) => {
-                let known = alpha.iter().find(|(name, _)| *name == format);
-                if known.is_none() {
-                    let message =
-                        format!("unknown pixel format \"{format}\"; \"rgb\" is used instead");
-                    reader.warning("pixel_format", message);
-                }
-                known.is_some_and(|(_, alpha)| *alpha)
-            }
-        };
+        let alpha = has_alpha(&mut reader);
         let half = reader.string("component_format", "float16").to_lowercase() == "float16";
-        // How the file is written is asked on the command line.
-        reader.ignore(&[
-            "file_format",
-            "banner",
-            "attach_log",
-            "high_quality_edges",
-            "gamma",
-            "exposure",
-            "tonemap_method",
-            "label",
-            "compensate",
-            "sample_border",
-            "variable",
-            "key",
-            "burn",
-        ]);
+        reader.ignore(&FILE_OPTIONS);
         reader.finish();
         let (size, window, filter) = (size?, window?, filter?);
         Some(Film {
@@ -331,6 +313,22 @@ impl Loader<'_> {
                 reader.error("focal_length", message);
                 None
             }
+        }
+    }
+}
+
+/// Whether a film keeps alpha; an unknown pixel format does not, with a warning.
+fn has_alpha(reader: &mut ElementReader<'_>) -> bool {
+    let Some(format) = reader.optional_string("pixel_format") else {
+        return false;
+    };
+    match format.to_lowercase().as_str() {
+        "rgb" | "luminance" => false,
+        "rgba" | "luminance_alpha" => true,
+        unknown => {
+            let message = format!("unknown pixel format \"{unknown}\"; \"rgb\" is used instead");
+            reader.warning("pixel_format", message);
+            false
         }
     }
 }
