@@ -160,10 +160,15 @@ pub(super) fn mirrored_at(wi: Local, m: Local) -> Local {
     Local(m.0 * (2.0 * wi.0.dot(m.0)) - wi.0)
 }
 
-/// The normal of the mirror that reflects `wi` into `wo`; both above the surface.
+/// The normal of the mirror that reflects `wi` into `wo`, and its cosine to both of them.
+///
+/// Both are above the surface. Half the length of their sum has more digits at grazing angles than
+/// a scalar product with the normal, and is the same for both, to the bit.
 #[inline]
-pub(super) fn halfway(wi: Local, wo: Local) -> Local {
-    Local((wi.0 + wo.0).normalize())
+pub(super) fn halfway(wi: Local, wo: Local) -> (Local, f32) {
+    let sum = wi.0 + wo.0;
+    let length = sum.length();
+    (Local(sum / length), (0.5 * length).min(1.0))
 }
 
 /// Samples a normal of GGX with roughness one that is seen from `wi`; not normalised.
