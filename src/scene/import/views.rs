@@ -99,6 +99,12 @@ impl Loader<'_> {
         let height = reader.integer("height", DEFAULT_SIZE.1);
         let size = film_size.or_else(|| self.film_side(&reader, width, height));
         let window = size.and_then(|size| self.crop(&mut reader, size, film_size.is_some()));
+        if let Some(window) = window.filter(|window| !window.is_affordable()) {
+            let most = Window::MOST_PIXELS;
+            let Window { width, height, .. } = window;
+            let message = format!("{width}x{height} pixels are too many, expected {most} at most");
+            reader.error("width", message);
+        }
         let filter = match reader.child(ElementKind::ReconstructionFilter) {
             Some(filter) => self.filter(filter),
             None => Filter::new(FilterKind::Gaussian { stddev: 0.5 }),
@@ -244,10 +250,10 @@ impl Loader<'_> {
             }
         };
         let count = reader.integer("sample_count", 4);
-        if !(1..=i64::from(u32::MAX)).contains(&count) {
+        if !(1..=i64::from(i32::MAX)).contains(&count) {
             reader.error(
                 "sample_count",
-                format!("\"sample_count\" is {count}, expected 1 or more"),
+                format!("\"sample_count\" is {count}, expected 1 to {}", i32::MAX),
             );
         }
         // Seeds come from the command line; the rest has no counterpart here.
