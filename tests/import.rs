@@ -345,3 +345,27 @@ scene.xml:8:1: warning: unknown property \"radiuss\" of shape \"sphere\" (did yo
 scene.xml:9:1: warning: unknown element <foo>; ignored",
     );
 }
+
+#[test]
+fn whatever_stands_in_is_recorded_with_its_place() {
+    let folder = tempfile::tempdir().expect("a folder for the scene");
+    let file = folder.path().join("scene.xml");
+    let scene = "<scene version='3.0.0'>
+<sensor type='perspective'><sampler type='sobl'/>
+<film type='hdrflim'><rfilter type='bx'/></film></sensor>
+<bsdf type='hair'/>
+<foo/></scene>";
+    fs::write(&file, scene).expect("the file can be written");
+    let imported = import(&file, &options(Strictness::Lenient)).expect("all can be replaced");
+    let all = imported.warnings.iter().filter(|w| w.is_replacement);
+    let brief: Vec<String> = all.map(|warning| warning.brief()).collect();
+    assert_eq!(
+        brief,
+        [
+            "scene.xml:2:28: unknown sampler \"sobl\"; \"sobol\" is used instead",
+            "scene.xml:3:1: unknown film \"hdrflim\"; \"hdrfilm\" is used instead",
+            "scene.xml:3:22: unknown rfilter \"bx\"; \"gaussian\" is used instead",
+            "scene.xml:4:1: unknown bsdf \"hair\"; a diffuse material of its colour is used instead",
+        ]
+    );
+}

@@ -93,7 +93,7 @@ impl Loader<'_> {
                 "unknown {}; \"hdrfilm\" is used instead",
                 reader.element().title()
             );
-            self.problems.warning(self.location(id), message);
+            self.problems.replacement(self.location(id), message);
         }
         let width = reader.integer("width", DEFAULT_SIZE.0);
         let height = reader.integer("height", DEFAULT_SIZE.1);
@@ -220,7 +220,7 @@ impl Loader<'_> {
             _ => {
                 let title = reader.element().title();
                 let message = format!("unknown {title}; \"gaussian\" is used instead");
-                self.problems.warning(self.location(id), message);
+                self.problems.replacement(self.location(id), message);
                 FilterKind::Gaussian { stddev: 0.5 }
             }
         };
@@ -245,7 +245,7 @@ impl Loader<'_> {
             _ => {
                 let title = reader.element().title();
                 let message = format!("unknown {title}; \"sobol\" is used instead");
-                self.problems.warning(self.location(id), message);
+                self.problems.replacement(self.location(id), message);
                 SamplerKind::Sobol
             }
         };

@@ -222,6 +222,11 @@ impl<'a> ElementReader<'a> {
         self.problems.warning(&self.location_of(name), message);
     }
 
+    /// Notes that something stands in for what the property `name` says.
+    pub fn replacement(&self, name: &str, message: impl Into<String>) {
+        self.problems.replacement(&self.location_of(name), message);
+    }
+
     /// Warns about every property and child that nobody asked for.
     pub fn finish(self) {
         let candidates = || self.asked.iter().map(String::as_str);
