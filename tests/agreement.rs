@@ -166,7 +166,7 @@ fn filters_keep_the_mean_and_do_not_darken_borders() {
     for kind in FILTERS {
         let flat = render(kind, "path max_depth=1");
         let centre = flat[flat.len() / 2].luminance();
-        assert!((centre - 0.5).abs() < 5e-3, "{kind:?}: {centre}");
+        assert!((centre - 0.5).abs() < 1e-5, "{kind:?}: {centre}");
         for (index, pixel) in flat.iter().enumerate() {
             let value = pixel.luminance();
             assert!(

@@ -10,7 +10,7 @@ use lumiflow::film::{PassBuffer, Window};
 use lumiflow::integrator::{self, PixelSettings};
 use lumiflow::math::Vec2;
 use lumiflow::mutation::{
-    AngleKernel, CausticKernel, Chain, Choice, Mutate, Mutation, Perturbation, RasterDomain,
+    AngleKernel, CausticKernel, Chain, Choice, Fault, Mutate, Mutation, Perturbation, RasterDomain,
     RasterKernel,
 };
 use lumiflow::path::{Heuristic, Path, PathRules, PathSpace, PathTracing, camera_sample};
@@ -43,6 +43,7 @@ fn perturbation() -> Perturbation {
             low: Vec2::ZERO,
             high: Vec2::splat(SIDE as f32),
         },
+        fault: Fault::None,
     }
 }
 
