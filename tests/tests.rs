@@ -11,6 +11,7 @@ mod golden;
 mod hidden_emitters;
 mod import;
 mod indifference;
+mod kernels;
 mod layering;
 mod mitsuba_materials;
 mod paths;

@@ -47,10 +47,10 @@ pub(super) fn head(path: &Path) -> Option<usize> {
         return None;
     }
     let head = 2 + vertices[2..].iter().position(|v| !v.event.is_dirac())?;
-    let can_turn = match vertices[head].event {
-        Event::Finite | Event::Emission(EmitterClass::Area | EmitterClass::Point) => true,
-        _ => false,
-    };
+    let can_turn = matches!(
+        vertices[head].event,
+        Event::Finite | Event::Emission(EmitterClass::Area | EmitterClass::Point)
+    );
     can_turn.then_some(head)
 }
 
