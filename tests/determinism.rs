@@ -27,13 +27,14 @@ fn everything(sampler: SamplerKind, filter: Filter) -> PixelSettings {
     }
 }
 
-/// Bits of all layers: means, then variances.
+/// Bits of all layers: means, what is made of them, then variances.
 fn bits(rendered: &Rendered) -> Vec<Vec<u32>> {
     let of = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect();
     let sums = || rendered.layers.iter().map(|(_, sum)| sum);
     let means = sums().map(|sum| of(sum.mean()));
+    let shown = rendered.means.iter().map(|shown| of(shown.clone()));
     let variances = sums().map(|sum| of(sum.variance_of_mean().unwrap_or_default()));
-    means.chain(variances).collect()
+    means.chain(shown).chain(variances).collect()
 }
 
 fn render(scene: &Scene, settings: PixelSettings, passes: u32) -> Rendered {
@@ -207,5 +208,95 @@ fn a_window_shows_what_the_whole_film_shows_there() {
                 );
             }
         }
+    }
+}
+
+const CHAINS: [&str; 3] = [
+    "erpt max_depth=6 chain_length=10 mutations_per_sample=10 direct_samples=2 proposal_filter=luminance consecutive_limit=4",
+    "erpt max_depth=6 flow=detailed chain_length=4 separate_direct=false proposal_filter=median",
+    "erpt max_depth=6 flow=iterated flow_depth=3 mutations_per_sample=10 direct_samples=1",
+];
+
+/// A render by chains with all the layers that there are.
+fn chains(scene: &Scene, text: &str, settings: PixelSettings, passes: u32) -> Rendered {
+    let sensor = cornell_camera(Mat4::IDENTITY, SIDE);
+    let algorithm = integrator(text);
+    let own = algorithm.own_layers();
+    let settings = PixelSettings {
+        second_moment: false,
+        own_layers: own.iter().map(|name| (*name).to_owned()).collect(),
+        ..settings
+    };
+    run(scene, &sensor, algorithm.as_ref(), settings, passes)
+}
+
+#[test]
+fn chains_make_the_same_bits_on_any_number_of_threads() {
+    let scene = cornell(Mat4::IDENTITY);
+    for (text, filter) in CHAINS.into_iter().zip(filters().into_iter().cycle()) {
+        let settings = || everything(SamplerKind::Independent, filter);
+        let render = || chains(&scene, text, settings(), 2);
+        let one = on_threads(1, render);
+        assert!(one.counters.chains > 0 && one.counters.rejected == 0);
+        for name in ["redistributed", "proposals", "acceptance", "chains"] {
+            let mut layers = one.layers.iter().zip(&one.means);
+            let values = layers.find(|((layer, _), _)| layer.name == name);
+            let is_filled = values.is_some_and(|(_, values)| values.iter().any(|v| *v > 0.0));
+            assert!(is_filled, "{name}");
+        }
+        let expected = bits(&one);
+        for threads in [2, 3, 7] {
+            let other = on_threads(threads, render);
+            assert_eq!(other.counters, one.counters);
+            assert!(bits(&other) == expected, "{text}, {threads} threads");
+        }
+    }
+}
+
+/// What a layer shows.
+fn shown<'r>(rendered: &'r Rendered, name: &str) -> &'r [f32] {
+    let mut layers = rendered.layers.iter().zip(&rendered.means);
+    let found = layers.find(|((layer, _), _)| layer.name == name);
+    found.expect("the layer is made").1
+}
+
+#[test]
+fn direct_and_redistributed_light_add_up_to_the_picture() {
+    let scene = cornell(Mat4::IDENTITY);
+    let render = |text: &str| chains(&scene, text, settings(5, SIDE), PASSES);
+    let rendered = render(CHAINS[0]);
+    let parts = shown(&rendered, "direct")
+        .iter()
+        .zip(shown(&rendered, "redistributed"));
+    for ((direct, redistributed), beauty) in parts.zip(shown(&rendered, "")) {
+        // The sums are whole numbers, and agree to the last bit; each was rounded to `f32` on its way out.
+        let sum = f64::from(*direct) + f64::from(*redistributed);
+        let rounding = f64::from(direct + redistributed + beauty) * 2.0_f64.powi(-24);
+        assert!(
+            (sum - f64::from(*beauty)).abs() <= rounding,
+            "{sum}, {beauty}"
+        );
+    }
+    let rendered = render(CHAINS[1]);
+    assert!(shown(&rendered, "") == shown(&rendered, "redistributed"));
+}
+
+#[test]
+fn more_passes_continue_the_same_chains() {
+    let scene = cornell(Mat4::IDENTITY);
+    for text in CHAINS {
+        let sums = |passes: u32| -> Vec<f64> {
+            let rendered = chains(&scene, text, settings(6, SIDE), passes);
+            let mean = rendered.layers[0].1.mean();
+            let scaled = mean.iter().map(|v| f64::from(*v) * f64::from(passes));
+            scaled.collect()
+        };
+        let [one, two, three] = [1, 2, 3].map(sums);
+        let mut changed = 0;
+        for ((one, two), three) in one.iter().zip(&two).zip(&three) {
+            assert!(*two >= one * (1.0 - 1e-6) && *three >= two * (1.0 - 1e-6));
+            changed += u32::from(three != two && two != one);
+        }
+        assert!(changed > SIDE * SIDE, "{changed}");
     }
 }

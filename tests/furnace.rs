@@ -99,6 +99,44 @@ fn enclosures_in_balance_have_radiance_one() -> Result<(), String> {
     Ok(())
 }
 
+/// Chains under every flow rule.
+const CHAINS: [&str; 4] = [
+    "erpt chain_length=20 mutations_per_sample=20",
+    "erpt chain_length=5 mutations_per_sample=20 expected_values=false separate_direct=false",
+    "erpt flow=detailed chain_length=3 separate_direct=false",
+    "erpt flow=iterated flow_depth=3 mutations_per_sample=4 direct_samples=4",
+];
+
+#[test]
+fn chains_keep_enclosures_in_balance() -> Result<(), String> {
+    for (scene, sensor) in &[spherical_furnace(1.0), cubic_furnace()] {
+        for text in CHAINS {
+            check(scene, sensor, text, 1.0)?;
+        }
+    }
+    let (scene, sensor) = cubic_furnace();
+    let text = format!("{} max_depth=6", CHAINS[0]);
+    assert!(check(&scene, &sensor, &text, 1.0).is_err());
+    Ok(())
+}
+
+#[test]
+fn chains_do_not_see_glass_that_loses_nothing() -> Result<(), String> {
+    for bsdf in [glass(), Dielectric::new(ior(1.0, 1.33), 1.0, 1.0)] {
+        let (scene, sensor) = under_white_sky([part(sphere(Vec3::ZERO, 1.0), bsdf)]);
+        for text in CHAINS {
+            check(&scene, &sensor, text, 1.0)?;
+        }
+    }
+    // What it shows of a diffuse body inside of it, it shows in balance.
+    let inside = wall(sphere(Vec3::new(0.1, 0.1, 0.0), 0.5), 1.5 * 1.5);
+    let (scene, sensor) = under_white_sky([part(sphere(Vec3::ZERO, 1.0), glass()), inside]);
+    for text in CHAINS {
+        check(&scene, &sensor, text, 1.0)?;
+    }
+    Ok(())
+}
+
 #[test]
 fn a_limit_of_depth_leaves_out_what_it_should() -> Result<(), String> {
     let furnaces = [spherical_furnace(1.0), cubic_furnace()];

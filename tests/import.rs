@@ -156,6 +156,20 @@ fn files_that_include_each_other_are_refused() {
     );
 }
 
+#[test]
+fn parameters_that_multiply_are_stopped() {
+    let tenfold = |i: u32| {
+        let value = format!("${}", i - 1).repeat(10);
+        format!("<default name='{i}' value='{value}'/>\n")
+    };
+    let bomb: String = (1..=9).map(tenfold).collect();
+    check(
+        &file_of(&format!("<default name='0' value='ten bytes!'/>\n{bomb}")),
+        &[],
+        "scene.xml:10:26: the values of parameters fill more than 16777216 bytes",
+    );
+}
+
 fn ply(body: &str) -> Vec<u8> {
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                   property float z\nelement face 1\n\
@@ -247,6 +261,11 @@ fn values_that_make_no_scene_are_refused() {
             "scene.xml:3:1: an index of refraction must be positive and finite, not -1",
         ),
         (
+            "<shape type='sphere'/>\n<shape type='sphere'><float name='radius' value='1e20'/></shape>",
+            "scene.xml:4:1: Embree: a sphere has an unusable radius: 100000000000000000000; it must \
+             be positive and finite",
+        ),
+        (
             "<shape type='sphere'><float name='radius' value='$r'/></shape>",
             "scene.xml:3:50: undefined parameter \"$r\"",
         ),
@@ -277,6 +296,11 @@ fn cameras_and_films_that_see_nothing_are_refused() {
              <integer name='height' value='100000000'/></film>",
             "scene.xml:2:1: \"width\" is -5, expected 1 to 65536 pixels\n\
              scene.xml:3:1: \"height\" is 100000000, expected 1 to 65536 pixels",
+        ),
+        (
+            "<film type='hdrfilm'>\n<integer name='width' value='65536'/>\n\
+             <integer name='height' value='65536'/></film>",
+            "scene.xml:2:1: 65536x65536 pixels are too many, expected 134217728 at most",
         ),
         (
             "\n<float name='fov' value='180'/>",
@@ -385,5 +409,29 @@ scene.xml:6:1: unknown shape \"spere\" (did you mean \"sphere\"?)
 scene.xml:7:22: ref to the unknown id \"b\" (did you mean \"a\"?)
 scene.xml:8:1: warning: unknown property \"radiuss\" of shape \"sphere\" (did you mean \"radius\"?); ignored
 scene.xml:9:1: warning: unknown element <foo>; ignored",
+    );
+}
+
+#[test]
+fn whatever_stands_in_is_recorded_with_its_place() {
+    let folder = tempfile::tempdir().expect("a folder for the scene");
+    let file = folder.path().join("scene.xml");
+    let scene = "<scene version='3.0.0'>
+<sensor type='perspective'><sampler type='sobl'/>
+<film type='hdrflim'><rfilter type='bx'/></film></sensor>
+<bsdf type='hair'/>
+<foo/></scene>";
+    fs::write(&file, scene).expect("the file can be written");
+    let imported = import(&file, &options(Strictness::Lenient)).expect("all can be replaced");
+    let all = imported.warnings.iter().filter(|w| w.is_replacement);
+    let brief: Vec<String> = all.map(|warning| warning.brief()).collect();
+    assert_eq!(
+        brief,
+        [
+            "scene.xml:2:28: unknown sampler \"sobl\"; \"sobol\" is used instead",
+            "scene.xml:3:1: unknown film \"hdrflim\"; \"hdrfilm\" is used instead",
+            "scene.xml:3:22: unknown rfilter \"bx\"; \"gaussian\" is used instead",
+            "scene.xml:4:1: unknown bsdf \"hair\"; a diffuse material of its colour is used instead",
+        ]
     );
 }

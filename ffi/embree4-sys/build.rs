@@ -144,6 +144,8 @@ fn compile_shim(installation: &Installation) {
         .opt_level(3)
         // The same bits with and without fused multiply-add in the instruction set.
         .flag("-ffp-contract=off")
+        // Reads what Embree has written in the pieces that it was written in.
+        .flag_if_supported("-fno-tree-slp-vectorize")
         .flag("-isystem")
         .flag(&installation.headers)
         .warnings(true)

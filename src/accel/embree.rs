@@ -9,9 +9,17 @@ use crate::math::Vec3;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AccelError {
-    /// Embree cannot start, or refuses a geometry.
+    /// Embree cannot start, or cannot build.
     #[error("Embree: {0}")]
     Embree(#[from] embree4_sys::Error),
+    /// Embree refuses a geometry.
+    #[error("Embree: {error}")]
+    Geometry {
+        /// Its index.
+        index: usize,
+        /// What is wrong with it.
+        error: embree4_sys::Error,
+    },
 }
 
 /// Geometry that rays can be traced against.
@@ -28,17 +36,18 @@ impl Accel {
     /// an index out of range.
     pub fn build(geometries: impl IntoIterator<Item = Geometry>) -> Result<Self, AccelError> {
         let mut builder = SceneBuilder::new(&Device::new("")?)?;
-        for geometry in geometries {
-            match geometry {
+        for (index, geometry) in geometries.into_iter().enumerate() {
+            let added = match geometry {
                 Geometry::Triangles(vertices, triangles) => {
-                    builder.add_triangles(&vertices, &triangles)?
+                    builder.add_triangles(&vertices, &triangles)
                 }
                 Geometry::Sphere { centre, radius } => {
-                    builder.add_sphere(centre.to_array(), radius)?
+                    builder.add_sphere(centre.to_array(), radius)
                 }
-                Geometry::Disk(to_world) => builder.add_disk(to_world)?,
-                Geometry::Cylinder(to_world) => builder.add_cylinder(to_world)?,
+                Geometry::Disk(to_world) => builder.add_disk(to_world),
+                Geometry::Cylinder(to_world) => builder.add_cylinder(to_world),
             };
+            added.map_err(|error| AccelError::Geometry { index, error })?;
         }
         Ok(Self {
             scene: builder.commit()?,

@@ -68,7 +68,7 @@ impl BsdfModel for Conductor {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,

@@ -110,7 +110,7 @@ impl BsdfModel for Dielectric {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,

@@ -92,6 +92,22 @@ impl RelativeIor {
         }
     }
 
+    /// Share of power that passes a smooth boundary between two directions that refract into each
+    /// other.
+    ///
+    /// The same as `1 − reflectance`, but exact where nearly nothing passes and the same from both
+    /// sides: near the critical angle, Snell's law gives one cosine too few digits to find the other.
+    ///
+    /// - `cos`, `cos_refracted`: cosines to the normal on the near and the far side, positive.
+    ///
+    /// Source: Fresnel's equations.
+    #[inline]
+    pub fn transmittance(self, cos: f32, cos_refracted: f32) -> f32 {
+        let s = cos + self.ratio * cos_refracted;
+        let p = self.ratio * cos + cos_refracted;
+        2.0 * self.ratio * cos * cos_refracted * (1.0 / (s * s) + 1.0 / (p * p))
+    }
+
     /// Bends a direction through a boundary with normal `normal`, on whose side `wi` lies.
     ///
     /// - `cos`: `wi · normal`, positive; `cos_refracted`: as [`RelativeIor::refract`] gives it.
@@ -197,6 +213,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_is_not_reflected_passes_from_either_side() {
+        for ratio in [0.5_f32, 0.999, 1.0, 1.05, 2.4] {
+            for i in 1..=100 {
+                let cos = i as f32 / 100.0;
+                let refraction = ior(ratio).refract(cos);
+                let passed = ior(ratio).transmittance(cos, refraction.cos_refracted);
+                assert!((passed - (1.0 - refraction.reflectance)).abs() < 1e-6);
+                let back = ior(1.0 / ratio).transmittance(refraction.cos_refracted, cos);
+                assert!((back - passed).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn what_passes_near_the_critical_angle_has_all_its_digits() {
+        let (ratio, refracted) = (1.0_f32 / 2.4, 2e-3_f32);
+        let (eta, cos_o) = (f64::from(ratio), f64::from(refracted));
+        let cos_i = (1.0 - eta * eta * (1.0 - cos_o * cos_o)).sqrt();
+        let (s, p) = (cos_i + eta * cos_o, eta * cos_i + cos_o);
+        let exact = 2.0 * eta * cos_i * cos_o * (1.0 / (s * s) + 1.0 / (p * p));
+        let error = |passed: f32| (f64::from(passed) / exact - 1.0).abs();
+        let cos = cos_i as f32;
+        assert!(error(ior(ratio).transmittance(cos, refracted)) < 1e-6);
+        // What makes the other form useless here.
+        assert!(error(1.0 - ior(ratio).refract(cos).reflectance) > 1e-3);
     }
 
     #[test]

@@ -91,7 +91,7 @@ impl BsdfModel for Mask {
         self.nested.lobes().union(hole)
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -125,7 +125,7 @@ impl BsdfModel for Mask {
         SolidAngleDensity(self.nested.density(wi, wo, at).0 * self.opacity(at).choice)
     }
 
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,

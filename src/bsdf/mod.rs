@@ -264,6 +264,10 @@ pub trait BsdfModel {
 }
 
 /// Writes the enum of all materials and forwards [`BsdfModel`] to its variants.
+///
+/// Sampling and evaluating are inlined where paths ask for them, and of the variants only diffuse ones:
+/// answers that pass through memory cost as much as making them. All others are `inline(never)`, or
+/// the loop of a path would not fit into the processor.
 macro_rules! bsdf_models {
     ($($(#[$doc:meta])* $model:ident,)*) => {
         /// Any material.
@@ -296,7 +300,7 @@ macro_rules! bsdf_models {
             fn lobes(&self) -> LobeSet {
                 match self { $(Self::$model(m) => m.lobes(),)* }
             }
-            #[inline]
+            #[inline(always)]
             fn sample(&self, wi: Local, at: &SurfacePoint, transport: Transport, u_lobe: f32, u: Vec2)
                 -> Option<BsdfSample> {
                 match self { $(Self::$model(m) => m.sample(wi, at, transport, u_lobe, u),)* }
@@ -309,7 +313,7 @@ macro_rules! bsdf_models {
             fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
                 match self { $(Self::$model(m) => m.density(wi, wo, at),)* }
             }
-            #[inline]
+            #[inline(always)]
             fn eval_with_density(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport)
                 -> (Rgb, SolidAngleDensity) {
                 match self { $(Self::$model(m) => m.eval_with_density(wi, wo, at, transport),)* }

@@ -37,7 +37,7 @@ impl BsdfModel for Null {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,

@@ -97,7 +97,7 @@ impl BsdfModel for Plastic {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -131,7 +131,7 @@ impl BsdfModel for Plastic {
         self.eval_with_density(wi, wo, at, Transport::Importance).1
     }
 
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,

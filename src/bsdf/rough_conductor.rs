@@ -64,7 +64,7 @@ impl BsdfModel for RoughConductor {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -93,11 +93,11 @@ impl BsdfModel for RoughConductor {
             return SolidAngleDensity::ZERO;
         }
         let facets = self.roughness.at(at.uv);
-        SolidAngleDensity(facets.reflected_density(wi, halfway(wi, wo)))
+        SolidAngleDensity(facets.reflected_density(wi, halfway(wi, wo).0))
     }
 
     /// The value is `F·D·G / (4 cos θ_i)`, the density the same without `F` and `G₁(wo)`.
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,
@@ -108,11 +108,11 @@ impl BsdfModel for RoughConductor {
         if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
             return (Rgb::BLACK, SolidAngleDensity::ZERO);
         }
-        let m = halfway(wi, wo);
+        let (m, cos) = halfway(wi, wo);
         let facets = self.roughness.at(at.uv);
         let density = facets.reflected_density(wi, m);
-        let reflectance = conductor_reflectance(self.ior.as_ref(), wi.0.dot(m.0).min(1.0))
-            * self.specular_reflectance.colour(at.uv);
+        let reflectance =
+            conductor_reflectance(self.ior.as_ref(), cos) * self.specular_reflectance.colour(at.uv);
         (
             reflectance * (density * facets.masking(wo)),
             SolidAngleDensity(density),

@@ -64,15 +64,17 @@ impl RoughDielectric {
     }
 }
 
-/// The mirror that refracts `wi` (above) into `wo` (below); `None` where none does.
+/// The mirror that refracts `wi` (above) into `wo` (below), and the squared length of
+/// `wi + η wo`, which the normal is made from; `None` where none does.
 ///
 /// Source: Walter 2007, Sec. 5.3.
 #[inline]
-fn refracting_normal(wi: Local, wo: Local, ior: RelativeIor) -> Option<Local> {
+fn refracting_normal(wi: Local, wo: Local, ior: RelativeIor) -> Option<(Local, f32)> {
     let sum = wi.0 + wo.0 * ior.ratio();
     let m = sum.normalize_or_zero() * 1.0_f32.copysign(sum.z);
     // Each direction must lie on the same side of the mirror as of the surface.
-    (m.z > 0.0 && wi.0.dot(m) > 0.0 && wo.0.dot(m) < 0.0).then_some(Local(m))
+    (m.z > 0.0 && wi.0.dot(m) > 0.0 && wo.0.dot(m) < 0.0)
+        .then_some((Local(m), sum.length_squared()))
 }
 
 impl BsdfModel for RoughDielectric {
@@ -106,7 +108,7 @@ impl BsdfModel for RoughDielectric {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -156,7 +158,7 @@ impl BsdfModel for RoughDielectric {
     /// The value is the density times `G₁(wo)`, the tint, and for radiance `(η_i / η_o)²`.
     ///
     /// Source: Walter 2007 (Jacobians of reflection and refraction); Veach 1997, Ch. 5 (radiance).
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,
@@ -171,19 +173,18 @@ impl BsdfModel for RoughDielectric {
         }
         let facets = self.roughness.at(at.uv);
         let (density, tint) = if wo.cos() > 0.0 {
-            let m = halfway(wi, wo);
-            let reflectance = ior.refract(wi.0.dot(m.0).min(1.0)).reflectance;
+            let (m, cos) = halfway(wi, wo);
+            let reflectance = ior.refract(cos).reflectance;
             let tint = self.specular_reflectance.colour(at.uv);
             (facets.reflected_density(wi, m) * reflectance, tint)
         } else {
-            let Some(m) = refracting_normal(wi, wo, ior) else {
+            let Some((m, length_squared)) = refracting_normal(wi, wo, ior) else {
                 return NOTHING;
             };
-            let (cos_i, cos_o) = (wi.0.dot(m.0).min(1.0), wo.0.dot(m.0));
-            let eta = ior.ratio();
-            let sum = cos_i + eta * cos_o;
-            let jacobian = eta * eta * -cos_o / (sum * sum);
-            let transmittance = 1.0 - ior.refract(cos_i).reflectance;
+            let (cos_i, cos_o) = (wi.0.dot(m.0).min(1.0), -wo.0.dot(m.0));
+            // The divisor of the Jacobian, cos θ_i − η cos θ_o, is the length of wi + η wo.
+            let jacobian = ior.ratio() * ior.ratio() * cos_o / length_squared;
+            let transmittance = ior.transmittance(cos_i, cos_o);
             let scale = match transport {
                 Transport::Radiance => ior.inverse() * ior.inverse(),
                 Transport::Importance => 1.0,

@@ -170,7 +170,7 @@ impl BsdfModel for RoughPlastic {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,
@@ -205,7 +205,7 @@ impl BsdfModel for RoughPlastic {
 
     /// The value is the coat's `F·D·G / (4 cos θ_i)` and the base's
     /// `ρ η⁻² / (1 − R) · T(wi) T(wo) cos θ_o / π`, where `R` is the coat's inner reflectance.
-    #[inline]
+    #[inline(never)]
     fn eval_with_density(
         &self,
         wi: Local,
@@ -216,9 +216,9 @@ impl BsdfModel for RoughPlastic {
         if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
             return (Rgb::BLACK, SolidAngleDensity::ZERO);
         }
-        let m = halfway(wi, wo);
+        let (m, cos) = halfway(wi, wo);
         let reflected = self.facets.reflected_density(wi, m);
-        let fresnel = self.coated.ior.refract(wi.0.dot(m.0).min(1.0)).reflectance;
+        let fresnel = self.coated.ior.refract(cos).reflectance;
         let specular = self.coated.specular_reflectance.colour(at.uv)
             * (fresnel * reflected * self.facets.masking(wo));
 

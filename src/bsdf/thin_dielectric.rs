@@ -96,7 +96,7 @@ impl BsdfModel for ThinDielectric {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample(
         &self,
         wi: Local,

@@ -52,6 +52,25 @@ impl TwoSided {
         }
     }
 
+    /// [`BsdfModel::sample`] for sides that are not diffuse.
+    #[inline(never)]
+    fn sample_other(
+        &self,
+        wi: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
+        let (bsdf, turn) = self.side(wi);
+        let mut sample = bsdf.sample(turn.over(wi), at, transport, u_lobe, u)?;
+        sample.direction = turn.over(sample.direction);
+        if sample.lobe.is_dirac() {
+            sample.component.0 += self.first_component(wi);
+        }
+        Some(sample)
+    }
+
     /// Number of the first component of the side that `wi` sees.
     #[inline]
     fn first_component(&self, wi: Local) -> u8 {
@@ -72,6 +91,18 @@ impl Turn {
     fn over(self, direction: Local) -> Local {
         Local::new(direction.0.x, direction.0.y, direction.0.z * self.0)
     }
+}
+
+/// [`BsdfModel::eval_with_density`] of a side that is not diffuse.
+#[inline(never)]
+fn eval_other(
+    bsdf: &Bsdf,
+    wi: Local,
+    wo: Local,
+    at: &SurfacePoint,
+    transport: Transport,
+) -> (Rgb, SolidAngleDensity) {
+    bsdf.eval_with_density(wi, wo, at, transport)
 }
 
 impl BsdfModel for TwoSided {
@@ -104,7 +135,7 @@ impl BsdfModel for TwoSided {
         self.front.lobes().union(self.behind().lobes())
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(
         &self,
         wi: Local,
@@ -114,18 +145,16 @@ impl BsdfModel for TwoSided {
         u: Vec2,
     ) -> Option<BsdfSample> {
         let (bsdf, turn) = self.side(wi);
-        let wi_turned = turn.over(wi);
         // Half of all materials in scene files are this one: its code goes right here.
-        let sample = match bsdf {
-            Bsdf::Diffuse(diffuse) => diffuse.sample(wi_turned, at, transport, u_lobe, u),
-            other => other.sample(wi_turned, at, transport, u_lobe, u),
-        };
-        let mut sample = sample?;
-        sample.direction = turn.over(sample.direction);
-        if sample.lobe.is_dirac() {
-            sample.component.0 += self.first_component(wi);
+        if let Bsdf::Diffuse(diffuse) = bsdf {
+            let sample = diffuse.sample(turn.over(wi), at, transport, u_lobe, u)?;
+            let direction = turn.over(sample.direction);
+            return Some(BsdfSample {
+                direction,
+                ..sample
+            });
         }
-        Some(sample)
+        self.sample_other(wi, at, transport, u_lobe, u)
     }
 
     #[inline]
@@ -140,7 +169,7 @@ impl BsdfModel for TwoSided {
         bsdf.density(turn.over(wi), turn.over(wo), at)
     }
 
-    #[inline]
+    #[inline(always)]
     fn eval_with_density(
         &self,
         wi: Local,
@@ -152,7 +181,7 @@ impl BsdfModel for TwoSided {
         let (wi, wo) = (turn.over(wi), turn.over(wo));
         match bsdf {
             Bsdf::Diffuse(diffuse) => diffuse.eval_with_density(wi, wo, at, transport),
-            other => other.eval_with_density(wi, wo, at, transport),
+            other => eval_other(other, wi, wo, at, transport),
         }
     }
 

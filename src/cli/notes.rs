@@ -83,10 +83,10 @@ impl Notes {
         self.list.iter().map(Diagnostic::to_string).collect()
     }
 
-    /// What stands in for something that the scene asks for.
+    /// What stands in for something that the scene asks for, each with its place.
     pub(super) fn replaced(&self) -> Vec<String> {
         let replaced = self.list.iter().filter(|note| note.is_replacement);
-        replaced.map(|note| note.message.clone()).collect()
+        replaced.map(|note| note.brief()).collect()
     }
 }
 

@@ -108,6 +108,11 @@ impl Plan {
             let message = format!("integrator \"{}\" has no layer \"{name}\"", choice.name);
             return Err(Failure::Usage(message));
         }
+        if request.second_moment && !integrator.has_second_moment() {
+            let name = choice.name;
+            let message = format!("integrator \"{name}\" makes no layer \"moment2\"; left out");
+            notes.warn(request.location.as_ref(), message);
+        }
         add_scene_layers(&mut aovs, request, notes);
         Ok(Self {
             name: choice.name.to_owned(),

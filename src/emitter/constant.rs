@@ -53,7 +53,7 @@ impl EmitterModel for Constant {
         self.radiance
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample_toward(&self, _from: Vec3, u: Vec2) -> Option<EmitterSample> {
         if self.radiance.is_black() {
             return None;

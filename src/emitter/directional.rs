@@ -58,7 +58,7 @@ impl EmitterModel for Directional {
         self.irradiance.luminance()
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample_toward(&self, _from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         Some(EmitterSample {
             direction: -self.direction,

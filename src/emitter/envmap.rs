@@ -111,7 +111,7 @@ impl EmitterModel for Envmap {
         self.map.radiance(&place) * self.scale
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample_toward(&self, _from: Vec3, u: Vec2) -> Option<EmitterSample> {
         let direction = (self.axes * self.map.sample(u)?).normalize();
         let place = self.map.place(self.axes.transpose() * direction);

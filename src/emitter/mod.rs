@@ -210,7 +210,7 @@ macro_rules! emitter_models {
             fn environment_radiance(&self, toward: Vec3) -> Rgb {
                 match self { $(Self::$model(e) => e.environment_radiance(toward),)* }
             }
-            #[inline]
+            #[inline(always)]
             fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
                 match self { $(Self::$model(e) => e.sample_toward(from, u),)* }
             }

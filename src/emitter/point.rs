@@ -51,7 +51,7 @@ impl EmitterModel for Point {
         self.intensity
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let distance_squared = edge.length_squared();

@@ -197,7 +197,7 @@ impl EmitterModel for Spot {
         self.intensity_along(direction)
     }
 
-    #[inline]
+    #[inline(never)]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
         let edge = self.position - from;
         let direction = edge.try_normalize()?;

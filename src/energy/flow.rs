@@ -88,12 +88,14 @@ impl FlowRule {
                 cap,
                 expected,
             } => {
-                let wanted = chain_count(energy, deposit, length, walker.uniform());
-                let chains = wanted.min(cap);
-                let deposit = if wanted > cap {
-                    energy / (f64::from(cap) * f64::from(length))
+                // Decided by the energy before it is rounded to chains: the chance of being rounded down
+                // to the cap must not cost energy.
+                let most = f64::from(cap) * f64::from(length) * deposit;
+                let (chains, deposit) = if energy > most {
+                    (cap, deposit * (energy / most))
                 } else {
-                    deposit
+                    let wanted = chain_count(energy, deposit, length, walker.uniform());
+                    (wanted.min(cap), deposit)
                 };
                 for _ in 0..chains {
                     walker.restart();

@@ -5,5 +5,9 @@
 //! depend on a state or its energy.
 
 mod flow;
+#[cfg(test)]
+mod ring;
+#[cfg(test)]
+mod tests;
 
 pub use flow::{FlowRule, Walker, chain_count};

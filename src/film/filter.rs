@@ -1,5 +1,7 @@
 //! Reconstruction filters.
 
+use std::ops::RangeInclusive;
+
 use crate::math::Vec2;
 
 /// Shape of a reconstruction filter, with its parameters; lengths are in pixels.
@@ -104,13 +106,18 @@ fn sinc(x: f32) -> f32 {
 
 /// A separable reconstruction filter whose integral is one.
 ///
-/// A sample counts for every pixel within the radius with the weight of its distance; weights are
-/// *not* divided by their sum, which would bias the pixel.
+/// A sample counts for every pixel within the radius with the weight of its distance, over the sum
+/// of its weights for all pixels: no light is lost, and a flat picture stays flat, as for the kinds
+/// whose shifted copies add up to one by themselves. A pixel's weights are *not* divided by their
+/// sum over its samples, which would bias it. Filters too narrow to reach a pixel from everywhere
+/// keep their weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     kind: FilterKind,
     radius: f32,
     normalisation: f32,
+    /// Whether the weights of each sample are made to add up to one.
+    even: bool,
 }
 
 impl Filter {
@@ -127,10 +134,16 @@ impl Filter {
             .map(|i| (f64::from(i) + 0.5) * step - f64::from(radius))
             .map(|x| f64::from(kind.shape(x as f32)) * step)
             .sum();
-        (integral > 1e-6).then(|| Self {
-            kind,
-            radius,
-            normalisation: (1.0 / integral) as f32,
+        (integral > 1e-6).then(|| {
+            let normalisation = (1.0 / integral) as f32;
+            let plain = Self {
+                kind,
+                radius,
+                normalisation,
+                even: false,
+            };
+            let even = (0..256).all(|i| plain.sum(i as f32 / 256.0) > 0.5);
+            Self { even, ..plain }
         })
     }
 
@@ -140,6 +153,7 @@ impl Filter {
             kind: FilterKind::Box { radius: 0.5 },
             radius: 0.5,
             normalisation: 1.0,
+            even: true,
         }
     }
 
@@ -173,14 +187,33 @@ impl Filter {
         if self.is_pixel_box() {
             return add(raster.x.floor() as i32, raster.y.floor() as i32, 1.0);
         }
-        let first = (raster - self.radius - 0.5).ceil();
-        let last = (raster + self.radius - 0.5).floor();
-        for y in first.y as i32..=last.y as i32 {
-            let along_y = self.weight(y as f32 + 0.5 - raster.y);
-            for x in first.x as i32..=last.x as i32 {
+        let scale = if self.even {
+            1.0 / (self.sum(raster.x) * self.sum(raster.y))
+        } else {
+            1.0
+        };
+        for y in self.reach(raster.y) {
+            let along_y = scale * self.weight(y as f32 + 0.5 - raster.y);
+            for x in self.reach(raster.x) {
                 add(x, y, along_y * self.weight(x as f32 + 0.5 - raster.x));
             }
         }
+    }
+
+    /// The pixels, along one axis, that a sample at `place` counts for.
+    #[inline]
+    fn reach(&self, place: f32) -> RangeInclusive<i32> {
+        let first = (place - self.radius - 0.5).ceil() as i32;
+        let last = (place + self.radius - 0.5).floor() as i32;
+        first..=last
+    }
+
+    /// Sum of the weights of a sample at `place` along one axis.
+    #[inline]
+    fn sum(&self, place: f32) -> f32 {
+        self.reach(place)
+            .map(|pixel| self.weight(pixel as f32 + 0.5 - place))
+            .sum()
     }
 }
 
@@ -223,6 +256,28 @@ mod tests {
             integral /= f64::from(n * n);
             assert!((integral - 1.0).abs() < 0.02, "{}: {integral}", kind.name());
         }
+    }
+
+    #[test]
+    fn the_weights_of_a_sample_add_up_to_one() {
+        for kind in KINDS {
+            let filter = Filter::new(kind).unwrap();
+            for i in 0..1000 {
+                let raster = Vec2::new(i as f32 * 0.377, 50.0 - i as f32 * 0.0101);
+                let mut sum = 0.0;
+                filter.for_each_pixel(raster, |_, _, w| sum += f64::from(w));
+                assert!((sum - 1.0).abs() < 1e-5, "{kind:?} at {raster}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn filters_with_gaps_keep_their_weights() {
+        let filter = Filter::new(FilterKind::Gaussian { stddev: 0.05 }).unwrap();
+        let mut weight = 0.0;
+        filter.for_each_pixel(Vec2::splat(0.5), |_, _, w| weight = w);
+        assert!(weight > 50.0, "{weight}");
+        filter.for_each_pixel(Vec2::ZERO, |x, y, w| panic!("{x} {y}: {w}"));
     }
 
     #[test]

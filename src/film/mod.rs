@@ -26,6 +26,9 @@ pub struct Window {
 }
 
 impl Window {
+    /// The most pixels that are rendered at once: sums and variances of more fill the memory.
+    pub const MOST_PIXELS: u64 = 1 << 27;
+
     /// The whole of a film.
     pub const fn full(width: u32, height: u32) -> Self {
         Self {
@@ -34,6 +37,11 @@ impl Window {
             width,
             height,
         }
+    }
+
+    /// Whether there are [`Window::MOST_PIXELS`] at most.
+    pub const fn is_affordable(&self) -> bool {
+        self.width as u64 * self.height as u64 <= Self::MOST_PIXELS
     }
 
     /// Number of pixels.

@@ -38,6 +38,11 @@ pub trait Algorithm: Send + Sync {
         settings: PixelSettings,
     ) -> Box<dyn Integrator + 's>;
 
+    /// Whether the algorithm can make the layer of squared samples.
+    fn has_second_moment(&self) -> bool {
+        true
+    }
+
     /// Names of the layers that the algorithm can make besides its image, on demand.
     fn own_layers(&self) -> &'static [&'static str] {
         &[]

@@ -224,6 +224,7 @@ impl PixelIntegrator for PathTracer {
 }
 
 /// True when nothing stands between a surface and the emitter that was sampled.
+#[inline(always)]
 pub(super) fn is_lit(scene: &Scene, hit: &Interaction<'_>, sample: &EmitterSample) -> bool {
     match sample.target {
         Some(target) => scene.is_visible(&hit.point, target),

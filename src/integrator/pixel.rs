@@ -4,7 +4,7 @@ use super::Algorithm;
 use super::aov::{self, Aov};
 use super::camera::{CameraSample, SampledWindow, sample_of_film};
 use super::render::{Counters, Integrator};
-use crate::accel::Ray;
+use crate::accel::{Hit, Ray};
 use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
 use crate::math::Rgb;
 use crate::random::{Purpose, Sampler, SamplerKind};
@@ -40,19 +40,34 @@ pub trait PixelIntegrator: Send + Sync {
 #[inline(always)]
 pub(super) fn first_surface<'s>(
     scene: &'s Scene,
-    mut ray: Ray,
+    ray: Ray,
     hide_emitters: bool,
     counters: &mut Counters,
 ) -> Option<Interaction<'s>> {
+    let (ray, hit) = if hide_emitters {
+        first_dark_hit(scene, ray, counters)?
+    } else {
+        counters.rays += 1;
+        (ray, scene.hit(&ray)?)
+    };
+    Some(scene.interaction(&ray, &hit))
+}
+
+/// Where a ray, or what is left of it, meets the first surface that does not emit.
+///
+/// Out of line, so that the loop of a path has one intersection.
+#[inline(never)]
+fn first_dark_hit(scene: &Scene, mut ray: Ray, counters: &mut Counters) -> Option<(Ray, Hit)> {
     loop {
         counters.rays += 1;
-        let hit = scene.intersect(&ray)?;
-        if !(hide_emitters && hit.emitter.is_some()) {
-            return Some(hit);
+        let hit = scene.hit(&ray)?;
+        let surface = scene.interaction(&ray, &hit);
+        if surface.emitter.is_none() {
+            return Some((ray, hit));
         }
         let direction = ray.direction();
         let left = ray.far() - hit.distance;
-        ray = Ray::new(hit.point.ray_origin(direction), direction).between(0.0, left);
+        ray = Ray::new(surface.point.ray_origin(direction), direction).between(0.0, left);
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod cie;
 pub mod distribution;
+pub mod error_function;
 mod frame;
 mod measure;
 mod rgb;

@@ -82,7 +82,7 @@ impl Mutate for CausticPerturbation {
     /// In the coordinates of the direction at the head and the point of the lens: with `h` the head and
     /// `θ_h`, `φ_1` angles to geometric normals,
     /// `L_e or f_s · |cos θ_h| · Π coefficients · f_s(y_1) · |cos φ_1| / d² · pixels per steradian`.
-    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
         let Some(head) = head(path) else { return 0.0 };
         let vertices = path.vertices();
         let edge = |from: usize, to: usize| space.edge(&vertices[from], &vertices[to]);
@@ -93,18 +93,17 @@ impl Mutate for CausticPerturbation {
         };
         let keep = |fault, factor| settings.fault.keep(fault, f64::from(factor));
         let cos = |index: usize, direction| vertices[index].geometric_cos(direction);
-        let mut target = fault::path_luminance(space, settings, path);
-        target *= keep(
+        let mut factor = keep(
             Fault::PixelsPerSteradian,
             space.sensor.pixels_per_steradian(seen),
         );
-        target /= keep(Fault::ImageDistance, distance_squared);
-        target *= keep(Fault::ImageCosine, cos(1, seen));
-        target *= keep(Fault::HeadCosine, cos(head, out));
+        factor /= keep(Fault::ImageDistance, distance_squared);
+        factor *= keep(Fault::ImageCosine, cos(1, seen));
+        factor *= keep(Fault::HeadCosine, cos(head, out));
         // The value at x_1 holds the cosine to the shading normal: f_s is that over the true one.
-        target /= keep(Fault::FirstCosine, cos(1, in_1));
+        factor /= keep(Fault::FirstCosine, cos(1, in_1));
         for index in 2..head {
-            target *= fault::adjoint(space, settings, path, index);
+            factor *= fault::adjoint(space, settings, path, index);
         }
         if let CausticKernel::Pixels {
             pixels,
@@ -112,9 +111,9 @@ impl Mutate for CausticPerturbation {
         } = settings.caustic
         {
             let largest = largest_angle(path, head, pixels * angle_of_pixel);
-            target /= keep(Fault::LargestAngle, largest);
+            factor /= keep(Fault::LargestAngle, largest);
         }
-        target
+        factor
     }
 
     fn propose(

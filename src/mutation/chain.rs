@@ -1,5 +1,7 @@
 //! One Markov chain of paths.
 
+use glam::DVec3;
+
 use super::{Choose, Fault, Mutate, Mutation, MutationStatistics, Perturbation};
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
@@ -12,6 +14,8 @@ pub struct Proposed {
     pub mutation: Mutation,
     /// The probability with which it is to be accepted.
     pub acceptance: f64,
+    /// Its [`Path::value`].
+    pub value: DVec3,
     /// Its target in the mutation's coordinates.
     target: f64,
 }
@@ -88,7 +92,8 @@ impl Chain {
             self.restore(mutation);
             return None;
         }
-        let target = mutation.target(space, settings, &self.proposal);
+        let value = self.proposal.value();
+        let target = mutation.target_of_value(space, settings, &self.proposal, value);
         let choices = choice.probability(&self.proposal, mutation)
             / choice.probability(&self.current, mutation);
         let choices = settings.fault.keep(Fault::Choice, choices);
@@ -112,6 +117,7 @@ impl Chain {
         Some(Proposed {
             mutation,
             acceptance,
+            value,
             target,
         })
     }

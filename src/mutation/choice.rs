@@ -63,14 +63,39 @@ impl Choice {
     }
 }
 
-impl Choose for Choice {
+/// A [`Choice`] among the mutations that apply to the paths of one signature: worked out once a chain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ChoiceAt {
+    weights: [f32; Mutation::COUNT],
+    total: f32,
+}
+
+impl Choice {
+    /// The choice at a path, and at all that mutations make of it.
     #[inline]
-    fn choose(&self, path: &Path, u: f32) -> Option<Mutation> {
+    pub fn at(&self, path: &Path) -> ChoiceAt {
         let weights = self.applicable(path);
-        let total: f32 = weights.iter().sum();
-        let mut left = u * total;
+        ChoiceAt {
+            weights,
+            total: weights.iter().sum(),
+        }
+    }
+}
+
+impl ChoiceAt {
+    /// True when no mutation applies.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.total <= 0.0
+    }
+}
+
+impl Choose for ChoiceAt {
+    #[inline]
+    fn choose(&self, _path: &Path, u: f32) -> Option<Mutation> {
+        let mut left = u * self.total;
         let mut last = None;
-        for (weight, mutation) in weights.into_iter().zip(Mutation::ALL) {
+        for (weight, mutation) in self.weights.into_iter().zip(Mutation::ALL) {
             if weight > 0.0 {
                 if left < weight {
                     return Some(*mutation);
@@ -84,9 +109,17 @@ impl Choose for Choice {
     }
 
     #[inline]
+    fn probability(&self, _path: &Path, mutation: Mutation) -> f64 {
+        f64::from(self.weights[mutation as usize]) / f64::from(self.total)
+    }
+}
+
+impl Choose for Choice {
+    fn choose(&self, path: &Path, u: f32) -> Option<Mutation> {
+        self.at(path).choose(path, u)
+    }
+
     fn probability(&self, path: &Path, mutation: Mutation) -> f64 {
-        let weights = self.applicable(path);
-        let total: f32 = weights.iter().sum();
-        f64::from(weights[mutation as usize]) / f64::from(total)
+        self.at(path).probability(path, mutation)
     }
 }

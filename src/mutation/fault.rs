@@ -83,8 +83,15 @@ impl Fault {
 }
 
 /// Luminance of a path's value.
+///
+/// - `value`: of the path, see [`Path::value`].
 #[inline]
-pub(super) fn path_luminance(space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+pub(super) fn path_luminance(
+    space: &PathSpace<'_>,
+    settings: &Perturbation,
+    path: &Path,
+    value: DVec3,
+) -> f64 {
     if settings.fault.is(Fault::Coefficient) {
         let finite = path.vertices().iter().filter(|v| !v.event.is_dirac());
         return luminance(finite.fold(DVec3::ONE, |product, v| product * v.value.0.as_dvec3()));
@@ -92,9 +99,9 @@ pub(super) fn path_luminance(space: &PathSpace<'_>, settings: &Perturbation, pat
     if settings.fault.is(Fault::Selection) {
         let chosen = |index| space.selection(path, index).map_or(1.0, |s| s.probability);
         let probability: f64 = (1..path.edges()).map(|i| f64::from(chosen(i))).product();
-        return path.luminance() / probability;
+        return luminance(value) / probability;
     }
-    path.luminance()
+    luminance(value)
 }
 
 /// The factor of a Dirac vertex, given the true one.

@@ -1,6 +1,5 @@
 //! Lai's lens perturbation.
 
-use super::fault::path_luminance;
 use super::forward::{Redirect, connection_factor, last_moved, rebuild};
 use super::{Fault, Mutate, Perturbation, Rejection};
 use crate::path::{Event, Path, PathSpace};
@@ -25,19 +24,18 @@ impl Mutate for LaiLensPerturbation {
     /// The coordinates are the positions of the vertices that stay: every direction to one brings the
     /// solid angle that its area takes up.
     #[inline]
-    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
         let Some(last) = last_moved(path, usize::MAX) else {
             return 0.0;
         };
-        let mut target =
-            path_luminance(space, settings, path) * connection_factor(space, settings, path, last);
+        let mut factor = connection_factor(space, settings, path, last);
         for pair in path.vertices()[..=last].windows(2) {
             if pair[0].event == Event::Finite && pair[1].event.is_dirac() {
-                let factor = space.solid_angle_per_area(&pair[0], &pair[1]);
-                target *= settings.fault.keep(Fault::Area, factor);
+                let area = space.solid_angle_per_area(&pair[0], &pair[1]);
+                factor *= settings.fault.keep(Fault::Area, area);
             }
         }
-        target
+        factor
     }
 
     #[inline]

@@ -1,6 +1,5 @@
 //! The lens perturbation.
 
-use super::fault::path_luminance;
 use super::forward::{connection_factor, last_moved, rebuild};
 use super::{Mutate, Perturbation, Rejection};
 use crate::path::{Path, PathSpace};
@@ -22,10 +21,8 @@ impl Mutate for LensPerturbation {
     }
 
     #[inline]
-    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        last_moved(path, 0).map_or(0.0, |last| {
-            path_luminance(space, settings, path) * connection_factor(space, settings, path, last)
-        })
+    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+        last_moved(path, 0).map_or(0.0, |last| connection_factor(space, settings, path, last))
     }
 
     #[inline]

@@ -24,7 +24,7 @@ mod statistics;
 
 pub use caustic::{CausticKernel, CausticPerturbation};
 pub use chain::{Chain, Proposed};
-pub use choice::{Choice, Choose};
+pub use choice::{Choice, ChoiceAt, Choose};
 pub use fault::Fault;
 pub use kernel::{AngleKernel, RasterKernel, turned};
 pub use lai_lens::LaiLensPerturbation;
@@ -33,6 +33,8 @@ pub use multi_chain::MultiChainPerturbation;
 pub use ratio::{log_ratio_by_measure, log_ratio_by_rules, log_transition};
 pub use rejection::Rejection;
 pub use statistics::MutationStatistics;
+
+use glam::DVec3;
 
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
@@ -78,9 +80,27 @@ pub trait Mutate {
     /// that it does not apply to. Depends on the path's signature alone.
     fn last_changed(&self, path: &Path) -> Option<usize>;
 
+    /// The factor on a path's luminance in the mutation's own coordinates; not negative.
+    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64;
+
     /// The target density at a path in the mutation's own coordinates, in which its proposals are
     /// symmetric; not negative.
-    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64;
+    #[inline]
+    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+        self.target_of_value(space, settings, path, path.value())
+    }
+
+    /// [`Mutate::target`] of a path whose [`Path::value`] is known.
+    #[inline]
+    fn target_of_value(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        value: DVec3,
+    ) -> f64 {
+        fault::path_luminance(space, settings, path, value) * self.factor(space, settings, path)
+    }
 
     /// Turns a copy of the current path into a proposal.
     ///
@@ -123,8 +143,8 @@ macro_rules! mutations {
                 match self { $(Self::$variant => $model.last_changed(path),)* }
             }
             #[inline]
-            fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-                match self { $(Self::$variant => $model.target(space, settings, path),)* }
+            fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+                match self { $(Self::$variant => $model.factor(space, settings, path),)* }
             }
             #[inline]
             fn propose(

@@ -1,6 +1,5 @@
 //! The multi-chain perturbation.
 
-use super::fault::path_luminance;
 use super::forward::{Redirect, connection_factor, last_moved, rebuild};
 use super::{Mutate, Perturbation, Rejection};
 use crate::path::{Path, PathSpace};
@@ -27,10 +26,9 @@ impl Mutate for MultiChainPerturbation {
 
     /// `f_s · |cos θ_o|` at each turned direction is in the vertices' values.
     #[inline]
-    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        last_moved(path, usize::MAX).map_or(0.0, |last| {
-            path_luminance(space, settings, path) * connection_factor(space, settings, path, last)
-        })
+    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+        last_moved(path, usize::MAX)
+            .map_or(0.0, |last| connection_factor(space, settings, path, last))
     }
 
     #[inline]

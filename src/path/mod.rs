@@ -7,19 +7,19 @@
 //! Other coordinates bring scalar factors, which are written where they are used.
 
 mod density;
+mod light_path;
 mod mis;
-mod path;
 mod space;
 mod tracer;
 mod verify;
 mod vertex;
 
 pub use density::{Coordinates, Generation, Technique};
+pub use light_path::{CAPACITY, Path, Signature};
 pub use mis::Heuristic;
-pub use path::{CAPACITY, Path, Signature};
 pub use space::{Followed, PathRules, PathSpace};
 pub use tracer::{Found, PathTracing, camera_sample};
 pub use verify::{Broken, Claim, Tolerance};
 pub use vertex::{Event, PathVertex, VertexKind};
 
-pub(crate) use path::luminance;
+pub(crate) use light_path::{colour, luminance};

@@ -69,12 +69,20 @@ impl<'s> PathSpace<'s> {
     ///
     /// - `from_sensor`: whether emitting surfaces may be hidden from it.
     #[inline]
-    pub fn meet(&self, mut ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
-        let hides = from_sensor && self.rules.hide_emitters;
+    pub fn meet(&self, ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
+        if from_sensor && self.rules.hide_emitters {
+            return self.meet_past_emitters(ray);
+        }
+        self.count_ray();
+        self.scene.intersect(&ray)
+    }
+
+    /// The first surface that a ray meets and that does not emit.
+    fn meet_past_emitters(&self, mut ray: Ray) -> Option<Interaction<'s>> {
         loop {
             self.count_ray();
             let met = self.scene.intersect(&ray)?;
-            if !(hides && met.emitter.is_some()) {
+            if met.emitter.is_none() {
                 return Some(met);
             }
             let direction = ray.direction();

@@ -86,7 +86,7 @@ impl Lights {
     /// Chooses an emitter at a point.
     ///
     /// - `u`: uniform in `[0, 1)`.
-    #[inline]
+    #[inline(always)]
     fn choose(&self, from: Vec3, u: f32) -> Option<Choice> {
         match self.emitters.len() {
             0 => None,
@@ -95,8 +95,17 @@ impl Lights {
                 probability: 1.0,
                 remainder: u,
             }),
-            2..=WEIGHED => Some(self.weighed(from).choose(u)),
-            _ => self.by_power.as_ref().map(|choice| choice.sample(u)),
+            _ => self.choose_among(from, u),
+        }
+    }
+
+    /// [`Lights::choose`] where there are several; out of line, since most scenes have one.
+    #[inline(never)]
+    fn choose_among(&self, from: Vec3, u: f32) -> Option<Choice> {
+        if self.emitters.len() <= WEIGHED {
+            Some(self.weighed(from).choose(u))
+        } else {
+            self.by_power.as_ref().map(|choice| choice.sample(u))
         }
     }
 
@@ -117,7 +126,7 @@ impl Lights {
     /// Chooses an emitter and samples a direction to it.
     ///
     /// - `u`: uniform in the unit square; the choice takes its share of `u.x`.
-    #[inline]
+    #[inline(always)]
     pub fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<ChosenSample> {
         let choice = self.choose(from, u.x)?;
         let emitter = EmitterId(choice.index as u32);

@@ -12,7 +12,7 @@ pub use lights::{ChosenSample, Lights};
 
 use std::sync::Arc;
 
-use crate::accel::{Accel, Ray};
+use crate::accel::{Accel, Hit, Ray};
 use crate::bsdf::{Bsdf, LobeSet};
 use crate::emitter::SceneBounds;
 use crate::math::Vec3;
@@ -84,9 +84,21 @@ impl Scene {
     /// The first surface that a ray meets.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction<'_>> {
-        let hit = self.accel.intersect(ray)?;
+        let hit = self.hit(ray)?;
+        Some(self.interaction(ray, &hit))
+    }
+
+    /// Where a ray meets its first surface, and no more about it.
+    #[inline(always)]
+    pub fn hit(&self, ray: &Ray) -> Option<Hit> {
+        self.accel.intersect(ray)
+    }
+
+    /// The surface at the first hit of a ray.
+    #[inline(always)]
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
         let object = &self.objects[hit.geometry as usize];
-        Some(Interaction::new(object, self.bsdf(object.bsdf), ray, &hit))
+        Interaction::new(object, self.bsdf(object.bsdf), ray, hit)
     }
 
     /// True when nothing stands between two points.

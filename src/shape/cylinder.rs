@@ -102,7 +102,8 @@ impl ShapeModel for Cylinder {
         Geometry::Cylinder(self.to_world())
     }
 
-    #[inline]
+    // Out of line: paths have the code of triangles alone right where they need it.
+    #[inline(never)]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         let offset = hit.position - self.base;
         let [x, y, z] = self.axes;
@@ -115,6 +116,7 @@ impl ShapeModel for Cylinder {
         f64::from(TAU * self.radius) * f64::from(self.axes[2].length())
     }
 
+    #[inline(never)]
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
         let (sin, cos) = (TAU * u.x).sin_cos();
         let density = AreaDensity((1.0 / self.area()) as f32);

@@ -96,7 +96,8 @@ impl ShapeModel for Disk {
         Geometry::Disk(self.to_world())
     }
 
-    #[inline]
+    // Out of line: paths have the code of triangles alone right where they need it.
+    #[inline(never)]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         let offset = hit.position - self.centre;
         let [x, y] = self.duals;
@@ -107,6 +108,7 @@ impl ShapeModel for Disk {
         self.area
     }
 
+    #[inline(never)]
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
         let density = AreaDensity((1.0 / self.area) as f32);
         (self.point(warp::uniform_disk(u)), density)

@@ -128,7 +128,7 @@ macro_rules! shape_models {
             fn prepare_sampling(&mut self) -> bool {
                 match self { $(Self::$model(s) => s.prepare_sampling(),)* }
             }
-            #[inline]
+            #[inline(always)]
             fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
                 match self { $(Self::$model(s) => s.surface_at(hit),)* }
             }
@@ -140,7 +140,7 @@ macro_rules! shape_models {
             fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
                 match self { $(Self::$model(s) => s.sample_area(u),)* }
             }
-            #[inline]
+            #[inline(always)]
             fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAngleDensity)> {
                 match self { $(Self::$model(s) => s.sample_toward(from, u),)* }
             }

@@ -157,7 +157,8 @@ impl ShapeModel for Sphere {
         }
     }
 
-    #[inline]
+    // Out of line: paths have the code of triangles alone right where they need it.
+    #[inline(never)]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point((hit.position - self.centre).normalize_or(Vec3::Z))
     }
@@ -166,6 +167,7 @@ impl ShapeModel for Sphere {
         f64::from(4.0 * PI) * f64::from(self.radius).powi(2)
     }
 
+    #[inline(never)]
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
         let outward = self.axes * warp::uniform_sphere(u);
         let density = AreaDensity((1.0 / self.area()) as f32);
@@ -175,6 +177,7 @@ impl ShapeModel for Sphere {
     /// Uniform in the cone of sight from outside, by area from inside.
     ///
     /// Source: Shirley, Wang & Zimmerman 1996, Sec. 3.2.
+    #[inline(never)]
     fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAngleDensity)> {
         let Some(cone) = self.cone(from) else {
             let (point, density) = self.sample_area(u);

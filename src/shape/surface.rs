@@ -58,7 +58,7 @@ impl Derivatives {
 
 impl SurfacePoint {
     /// The frame that materials write their directions in: its tangent goes where `u` grows.
-    #[inline]
+    #[inline(always)]
     pub fn shading_frame(&self) -> Frame {
         let frame = Frame::around(self.shading_normal);
         let Some(along) = self.derivatives.by_u.try_normalize() else {

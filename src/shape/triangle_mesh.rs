@@ -8,11 +8,17 @@ use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
 use crate::math::{AreaDensity, Vec2, Vec3, warp};
 
+/// Meshes of up to so many triangles keep what the points of each triangle share: 80 bytes a
+/// triangle, about as much as the tracer itself takes. Larger ones work it out anew for each point.
+const PREPARED: usize = 1 << 16;
+
 /// A triangle mesh whose vertex and index buffers the tracer shares.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: VertexBuffer,
     triangles: IndexBuffer,
+    /// One a triangle, or none.
+    facets: Vec<Facet>,
     normals: Option<Vec<Vec3>>,
     uvs: Option<Vec<Vec2>>,
     /// Chooses a triangle by area; only meshes that emit have one.
@@ -39,6 +45,7 @@ impl TriangleMesh {
         let mut mesh = Self {
             vertices,
             triangles,
+            facets: Vec::new(),
             normals,
             uvs,
             by_area: None,
@@ -48,6 +55,13 @@ impl TriangleMesh {
         };
         mesh.area = mesh.triangle_areas().sum();
         mesh.density = AreaDensity((1.0 / mesh.area) as f32);
+        let triangles = mesh.triangles.as_slice();
+        if triangles.len() <= PREPARED {
+            mesh.facets = triangles
+                .iter()
+                .map(|triangle| Facet::new(mesh.corners(*triangle)))
+                .collect();
+        }
         mesh
     }
 
@@ -83,23 +97,27 @@ impl TriangleMesh {
     /// The point of a triangle at the barycentrics of its second and third vertex.
     #[inline(always)]
     fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
-        let triangle = self.triangles.as_slice()[primitive as usize];
-        let [a, b, c] = self.corners(triangle).map(Vec3A::from);
-        let (b1, b2) = (barycentrics.x, barycentrics.y);
-        let (to_b, to_c) = (b - a, c - a);
-        let mut position = a + to_b * b1 + to_c * b2;
-        let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let error = SurfacePoint::error_bound(extent);
-        let across = to_b.cross(to_c);
-        let step = step_from_edges(b1.min(b2).min(1.0 - b1 - b2), [to_b, to_c, across], error);
-        if step > 0.0 {
-            let middle = a + (to_b + to_c) * (1.0 / 3.0);
-            position += (middle - position) * step;
+        match self.facets.get(primitive as usize) {
+            Some(facet) => self.point_of(facet, primitive, barycentrics),
+            None => self.unprepared_point(primitive, barycentrics),
         }
-        let (to_b, to_c) = (Vec3::from(to_b), Vec3::from(to_c));
-        let mut geometric_normal = unit_or(across.into(), Vec3::Z);
+    }
+
+    /// [`TriangleMesh::point`] for large meshes.
+    #[inline(never)]
+    fn unprepared_point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
+        let triangle = self.triangles.as_slice()[primitive as usize];
+        let facet = Facet::new(self.corners(triangle));
+        self.point_of(&facet, primitive, barycentrics)
+    }
+
+    #[inline(always)]
+    fn point_of(&self, facet: &Facet, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
+        let (b1, b2) = (barycentrics.x, barycentrics.y);
+        let mut geometric_normal = facet.normal;
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
+            let triangle = self.triangles.as_slice()[primitive as usize];
             let [na, nb, nc] = triangle.map(|i| normals[i as usize]);
             let interpolated = na * (1.0 - b1 - b2) + nb * b1 + nc * b2;
             shading_normal = unit_or(interpolated, geometric_normal);
@@ -110,32 +128,36 @@ impl TriangleMesh {
         }
         let uv = match &self.uvs {
             Some(uvs) => {
+                let triangle = self.triangles.as_slice()[primitive as usize];
                 let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
                 ua * (1.0 - b1 - b2) + ub * b1 + uc * b2
             }
             None => barycentrics,
         };
         let derivatives = if self.derivatives {
-            let [by_u, by_v] = self.derivatives(triangle, to_b, to_c);
+            let [by_u, by_v] = self.derivatives(facet, primitive);
             Derivatives::new(shading_normal, by_u, by_v)
         } else {
             Derivatives::NONE
         };
         SurfacePoint {
-            position: position.into(),
+            position: facet.position(b1, b2),
             geometric_normal,
             shading_normal,
             derivatives,
             uv,
-            error,
+            error: facet.error,
         }
     }
 
     /// ∂p/∂u and ∂p/∂v; zero where the texture coordinates do not span the plane.
-    fn derivatives(&self, triangle: [u32; 3], to_b: Vec3, to_c: Vec3) -> [Vec3; 2] {
+    #[inline(never)]
+    fn derivatives(&self, facet: &Facet, primitive: u32) -> [Vec3; 2] {
+        let (to_b, to_c) = (Vec3::from(facet.to_b), Vec3::from(facet.to_c));
         let Some(uvs) = &self.uvs else {
             return [to_b, to_c];
         };
+        let triangle = self.triangles.as_slice()[primitive as usize];
         let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
         let (du, dv) = (ub - ua, uc - ua);
         let determinant = du.x * dv.y - du.y * dv.x;
@@ -146,24 +168,58 @@ impl TriangleMesh {
     }
 }
 
-/// How far, as a share of the way to its middle, a point of a triangle must move so that rounding
-/// cannot have put it beyond an edge, and so behind the wall that stands there; mostly zero.
-///
-/// - `least`: smallest of the point's three barycentrics.
-/// - `spans`: the edges from the first corner, and their cross product.
-/// - `error`: bound on the error of the point's position, in metres.
-#[inline]
-fn step_from_edges(least: f32, spans: [Vec3A; 3], error: f32) -> f32 {
-    let [to_b, to_c, across] = spans;
-    // Distances from edges are barycentrics times heights, and heights are at least the cross
-    // product's length over the longest edge.
-    let needed = 2.0 * error * to_b.abs().max(to_c.abs()).element_sum();
-    let squared = across.length_squared();
-    if least * least * squared >= needed * needed {
-        return 0.0;
+/// What all points of a triangle share.
+#[derive(Clone, Debug)]
+struct Facet {
+    corner: Vec3A,
+    /// The edges from that corner to the second and the third one.
+    to_b: Vec3A,
+    to_c: Vec3A,
+    /// Unit normal.
+    normal: Vec3,
+    /// Bound on the error of a position, in metres.
+    error: f32,
+    /// Points with a smaller barycentric than this are too near to an edge: rounding can have put
+    /// them beyond it, and so behind the wall that stands there.
+    least: f32,
+    /// How far such points must move, as a share of the way to the triangle's middle.
+    step: f32,
+}
+
+impl Facet {
+    fn new(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners.map(Vec3A::from);
+        let (to_b, to_c) = (b - a, c - a);
+        let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let error = SurfacePoint::error_bound(extent);
+        let across = to_b.cross(to_c);
+        // Distances from edges are barycentrics times heights, and heights are at least the cross
+        // product's length over the longest edge.
+        let needed = 2.0 * error * to_b.abs().max(to_c.abs()).element_sum();
+        let length = across.length();
+        let least = if needed > 0.0 { needed / length } else { 0.0 };
+        Self {
+            corner: a,
+            to_b,
+            to_c,
+            normal: unit_or(across.into(), Vec3::Z),
+            error,
+            least,
+            // All of the middle's barycentrics are a third.
+            step: (3.0 * least).min(1.0),
+        }
     }
-    // All of the middle's barycentrics are a third.
-    (3.0 * needed / squared.sqrt()).min(1.0)
+
+    /// The point at the barycentrics of the second and third corner, kept off the edges.
+    #[inline(always)]
+    fn position(&self, b1: f32, b2: f32) -> Vec3 {
+        let mut position = self.corner + self.to_b * b1 + self.to_c * b2;
+        if b1.min(b2).min(1.0 - b1 - b2) < self.least {
+            let middle = self.corner + (self.to_b + self.to_c) * (1.0 / 3.0);
+            position += (middle - position) * self.step;
+        }
+        position.into()
+    }
 }
 
 impl From<MeshData> for TriangleMesh {
@@ -193,7 +249,7 @@ impl ShapeModel for TriangleMesh {
         self.by_area.is_some()
     }
 
-    #[inline]
+    #[inline(always)]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point(hit.primitive, hit.barycentrics)
     }
@@ -222,5 +278,28 @@ fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
         vector * (1.0 / length_squared.sqrt())
     } else {
         fallback
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::primitives;
+
+    #[test]
+    fn meshes_too_large_to_prepare_have_the_same_points() {
+        let mut mesh = TriangleMesh::from(primitives::cube());
+        let barycentrics = [(0.2, 0.3), (0.0, 0.5), (1e-7, 1e-7), (0.999_999, 0.0)];
+        let points = |mesh: &TriangleMesh| -> Vec<String> {
+            let triangles = 0..mesh.triangles().as_slice().len() as u32;
+            triangles
+                .flat_map(|index| barycentrics.map(|(b1, b2)| (index, Vec2::new(b1, b2))))
+                .map(|(index, b)| format!("{:?}", mesh.point(index, b)))
+                .collect()
+        };
+        assert!(!mesh.facets.is_empty());
+        let prepared = points(&mesh);
+        mesh.facets.clear();
+        assert_eq!(points(&mesh), prepared);
     }
 }

@@ -8,7 +8,8 @@ use std::env;
 /// How many times as many samples the proof takes.
 const MORE: u32 = 16;
 
-fn is_proof() -> bool {
+/// True for the proof, which tries all combinations where the suite tries some.
+pub(crate) fn is_proof() -> bool {
     env::var("LUMIFLOW_PROVE").is_ok_and(|value| value == "1")
 }
 

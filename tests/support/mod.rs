@@ -5,6 +5,7 @@ pub(crate) mod effort;
 pub(crate) mod factors;
 pub(crate) mod faulty;
 pub(crate) mod grid;
+pub(crate) mod hard_scenes;
 pub(crate) mod materials;
 pub(crate) mod planted;
 pub(crate) mod render;

@@ -7,11 +7,11 @@ use lumiflow::film::{Filter, Window};
 use lumiflow::integrator::{self, Algorithm, PixelIntegrator, PixelSettings, Rendered};
 use lumiflow::math::Rgb;
 use lumiflow::math::statistics::sidak;
-use lumiflow::random::SamplerKind;
+use lumiflow::random::{Purpose, SamplerKind, Stream};
 use lumiflow::scene::Scene;
 use lumiflow::scene::options::{OptionError, OptionReader, OptionValue, Options};
 use lumiflow::sensor::Sensor;
-use statrs::function::beta::beta_reg;
+use statrs::function::{beta::beta_reg, gamma::gamma_ur};
 
 /// An integrator by name with options as on the command line: `path max_depth=5 mis=balance`.
 pub(crate) fn integrator(text: &str) -> Box<dyn Algorithm> {
@@ -84,6 +84,17 @@ pub(crate) fn image(rendered: &Rendered) -> Vec<Rgb> {
         .collect()
 }
 
+/// What a layer shows, without alpha.
+pub(crate) fn layer(rendered: &Rendered, name: &str) -> Vec<Rgb> {
+    let mut layers = rendered.layers.iter().zip(&rendered.means);
+    let found = layers.find(|((layer, _), _)| layer.name == name);
+    let ((layer, _), values) = found.expect("the layer is made");
+    values
+        .chunks(layer.channels.len())
+        .map(|pixel| Rgb::new(pixel[0], pixel[1], pixel[2]))
+        .collect()
+}
+
 /// One image of a scene, by the integrator that `text` describes.
 pub(crate) fn picture(
     scene: &Scene,
@@ -127,7 +138,7 @@ impl Replicas {
     /// Runs `render` with one seed after another.
     ///
     /// - `render`: a seed's values.
-    pub(crate) fn new(first_seed: u64, count: u64, render: impl Fn(u64) -> Vec<f64>) -> Self {
+    pub(crate) fn new(first_seed: u64, count: u64, render: impl FnMut(u64) -> Vec<f64>) -> Self {
         Self {
             values: (first_seed..first_seed + count).map(render).collect(),
         }
@@ -199,6 +210,55 @@ impl Replicas {
         )
     }
 
+    /// Checks the mean over all values of t² against what it is where nothing is wrong: finds errors that
+    /// are small everywhere.
+    ///
+    /// Values of a replica may be correlated. The statistic's distribution is that of replicas drawn with
+    /// replacement, after their mean was moved to the expectation; its tail is that of the gamma
+    /// distribution with the same mean and variance.
+    pub(crate) fn check_mean_square(&self, expected: &[f64], level: f64) -> Result<(), String> {
+        const DRAWS: u32 = 1000;
+        let all: Vec<usize> = (0..self.values.len()).collect();
+        let found = self.mean_square(&all, expected);
+        let centre: Vec<f64> = self.summary().iter().map(|(mean, _)| *mean).collect();
+        let mut stream = Stream::new(71, Purpose::Check, 0, 0);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for _ in 0..DRAWS {
+            let draw = |_: &usize| (stream.next_f32() * all.len() as f32) as usize;
+            let drawn: Vec<usize> = all.iter().map(draw).collect();
+            let value = self.mean_square(&drawn, &centre);
+            sum += value;
+            squares += value * value;
+        }
+        let mean = sum / f64::from(DRAWS);
+        let variance = squares / f64::from(DRAWS) - mean * mean;
+        if gamma_ur(mean * mean / variance, found * mean / variance) > level {
+            return Ok(());
+        }
+        let spread = variance.sqrt();
+        Err(format!(
+            "mean square of t: {found:.2}, not {mean:.2} ± {spread:.2}"
+        ))
+    }
+
+    /// Mean over all values of t² against an expectation, from some of the replicas.
+    fn mean_square(&self, replicas: &[usize], expected: &[f64]) -> f64 {
+        let n = replicas.len() as f64;
+        let square = |(index, expected): (usize, &f64)| {
+            let values = || replicas.iter().map(|replica| self.values[*replica][index]);
+            let mean = values().sum::<f64>() / n;
+            let variance = values().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0));
+            let difference = mean - expected;
+            // As in `verdict`.
+            if difference.abs() <= 1e-5 * expected.abs() {
+                0.0
+            } else {
+                difference * difference / variance
+            }
+        };
+        expected.iter().enumerate().map(square).sum::<f64>() / expected.len() as f64
+    }
+
     /// The same replicas with one value, the mean of all.
     fn overall(&self) -> Self {
         let mean = |values: &Vec<f64>| vec![values.iter().sum::<f64>() / values.len() as f64];
@@ -249,7 +309,6 @@ fn student_quantiles_are_those_of_the_tables() {
 
 #[test]
 fn replicas_that_are_a_little_off_are_found() {
-    use lumiflow::random::{Purpose, Stream};
     // Eight values a replica, uniform around 1 with a deviation of 0.3.
     let replicas = |offset: f64| {
         Replicas::new(1, 32, |seed| {
@@ -260,5 +319,7 @@ fn replicas_that_are_a_little_off_are_found() {
     };
     assert_eq!(replicas(0.0).check(&[1.0; 8], 0.01), Ok(()));
     assert!(replicas(0.1).check(&[1.0; 8], 0.01).is_err());
+    assert_eq!(replicas(0.0).check_mean_square(&[1.0; 8], 0.01), Ok(()));
+    assert!(replicas(0.15).check_mean_square(&[1.0; 8], 0.01).is_err());
     assert!(replicas(0.0).check_same(&replicas(0.3), 0.01).is_err());
 }

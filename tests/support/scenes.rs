@@ -6,7 +6,7 @@ use lumiflow::bsdf::{
 use lumiflow::emitter::{Constant, Point};
 use lumiflow::math::{Mat4, Rgb, Transform, Vec2, Vec3};
 use lumiflow::scene::{Scene, SceneBuilder};
-use lumiflow::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings, Sensor};
+use lumiflow::sensor::{FieldOfViewAxis, Perspective, PerspectiveSettings, Sensor, ThinLens};
 use lumiflow::shape::mesh::MeshData;
 use lumiflow::shape::{Shape, Sphere, TriangleMesh, primitives};
 use lumiflow::texture::Texture;
@@ -58,6 +58,29 @@ pub(crate) fn scene(
 /// - `degrees`: field of view.
 /// - `side`: width and height of the film in pixels.
 pub(crate) fn camera(from: Vec3, to: Vec3, degrees: f32, side: u32) -> Sensor {
+    let settings = camera_settings(from, to, degrees, side);
+    Perspective::new(settings)
+        .expect("the camera is one")
+        .into()
+}
+
+/// A square film's camera with a lens.
+///
+/// - `degrees`, `side`: as for [`camera`].
+/// - `radius`, `focus`: of the lens, and the distance of the plane that is sharp.
+pub(crate) fn thin_lens(
+    from: Vec3,
+    to: Vec3,
+    (degrees, side): (f32, u32),
+    (radius, focus): (f32, f32),
+) -> Sensor {
+    let settings = camera_settings(from, to, degrees, side);
+    ThinLens::new(settings, radius, focus)
+        .expect("the camera is one")
+        .into()
+}
+
+fn camera_settings(from: Vec3, to: Vec3, degrees: f32, side: u32) -> PerspectiveSettings {
     let up = if (to - from).normalize().y.abs() > 0.99 {
         Vec3::Z
     } else {
@@ -65,7 +88,7 @@ pub(crate) fn camera(from: Vec3, to: Vec3, degrees: f32, side: u32) -> Sensor {
     };
     let to_world = Transform::look_at(from.as_dvec3(), to.as_dvec3(), Some(up.as_dvec3()))
         .expect("the camera looks somewhere");
-    let perspective = Perspective::new(PerspectiveSettings {
+    PerspectiveSettings {
         to_world: to_world.matrix(),
         field_of_view: degrees,
         axis: FieldOfViewAxis::X,
@@ -73,8 +96,7 @@ pub(crate) fn camera(from: Vec3, to: Vec3, degrees: f32, side: u32) -> Sensor {
         far: f32::MAX,
         principal_point_offset: Vec2::ZERO,
         film_size: (side, side),
-    });
-    perspective.expect("the camera is one").into()
+    }
 }
 
 /// A sphere with its front outside.
@@ -87,6 +109,30 @@ pub(crate) fn hollow_sphere(centre: Vec3, radius: f32) -> Sphere {
     let mut sphere = sphere(centre, radius);
     sphere.flip_normals();
     sphere
+}
+
+/// A sphere of few triangles with normals as if it were round.
+pub(crate) fn faceted_sphere(rings: u32, to_world: Mat4) -> TriangleMesh {
+    let segments = 2 * rings;
+    let mut mesh = MeshData::default();
+    for ring in 0..=rings {
+        let (sin, cos) = (std::f32::consts::PI * ring as f32 / rings as f32).sin_cos();
+        for segment in 0..segments {
+            let turn = std::f32::consts::TAU * segment as f32 / segments as f32;
+            mesh.positions
+                .push([sin * turn.cos(), cos, -sin * turn.sin()]);
+        }
+    }
+    let vertex = |ring: u32, segment: u32| ring * segments + segment % segments;
+    for ring in 0..rings {
+        for s in 0..segments {
+            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(r, t)| vertex(ring + r, s + t));
+            mesh.indices.push([corners[0], corners[1], corners[2]]);
+            mesh.indices.push([corners[0], corners[2], corners[3]]);
+        }
+    }
+    mesh.normals = Some(mesh.positions.clone());
+    moved(mesh, to_world)
 }
 
 /// A rectangle by its middle and half its edges; the front is where `along_u` × `along_v` points.

@@ -1,6 +1,8 @@
 #include "shim.h"
 
+#include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -15,34 +17,82 @@
 
 _Static_assert(RTC_MAX_INSTANCE_LEVEL_COUNT == 1, "the Rust side reads one instance id per hit");
 _Static_assert(sizeof(struct RTCRay) == 48, "RTCRay has 48 bytes");
+_Static_assert(offsetof(struct RTCRay, dir_x) == 16, "RTCRay.dir_x is at byte 16");
 _Static_assert(offsetof(struct RTCRay, tfar) == 32, "RTCRay.tfar is at byte 32");
 _Static_assert(sizeof(struct RTCHit) == EXPECTED_HIT_BYTES, "RTCHit has 32 or 48 bytes");
 _Static_assert(offsetof(struct RTCHit, geomID) == 24, "RTCHit.geomID is at byte 24");
 _Static_assert(offsetof(struct RTCHit, instID) == 28, "RTCHit.instID is at byte 28");
 _Static_assert(sizeof(struct RTCRayHit) == 48 + EXPECTED_HIT_BYTES, "no gap between ray and hit");
 _Static_assert(RTC_INVALID_GEOMETRY_ID == 0xFFFFFFFFu, "the Rust side names no id by this");
+_Static_assert(_Alignof(struct RTCRay) >= 16, "quarters of a ray are aligned");
+_Static_assert(sizeof(struct ShimHit) == 36, "ShimHit has no padding");
+_Static_assert(offsetof(struct ShimHit, primitive) == 12, "distance to primitive are one piece");
 _Static_assert(sizeof(struct ShimShape) == 24 + 13 * sizeof(double), "ShimShape has no padding");
 
-void shim_intersect(RTCScene scene, struct RTCRayHit *hit)
+/* 16 bytes that are written at once: what is read in larger pieces than it was written in has to
+ * wait until it has left for the cache. */
+typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
+
+/* The bits of a number as a part of a Four. */
+static inline float as_float(unsigned bits)
 {
-#if RTC_VERSION_MAJOR >= 4
-    rtcIntersect1(scene, hit, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene, &context, hit);
-#endif
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
 }
 
-void shim_occluded(RTCScene scene, struct RTCRay *ray)
+static inline void set_ray(struct RTCRay *ray, Four origin_near, Four direction_time, float far)
 {
+    *(Four *)&ray->org_x = origin_near;
+    *(Four *)&ray->dir_x = direction_time;
+    ray->tfar = far;
+    ray->mask = 0xFFFFFFFFu;
+    ray->id = 0;
+    ray->flags = 0;
+}
+
+bool shim_intersect(RTCScene scene, float origin_x, float origin_y, float origin_z, float near,
+                    float direction_x, float direction_y, float direction_z, float far,
+                    struct ShimHit *hit)
+{
+    struct RTCRayHit query;
+    set_ray(&query.ray, (Four){origin_x, origin_y, origin_z, near},
+            (Four){direction_x, direction_y, direction_z, 0.0f}, far);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
-    rtcOccluded1(scene, ray, NULL);
+    rtcIntersect1(scene, &query, NULL);
 #else
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded1(scene, &context, ray);
+    rtcIntersect1(scene, &context, &query);
 #endif
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    *(Four *)&hit->distance =
+        (Four){query.ray.tfar, query.hit.u, query.hit.v, as_float(query.hit.primID)};
+    hit->normal[0] = query.hit.Ng_x;
+    hit->normal[1] = query.hit.Ng_y;
+    hit->normal[2] = query.hit.Ng_z;
+    hit->geometry = query.hit.geomID;
+    hit->instance = query.hit.instID[0];
+    return true;
+}
+
+bool shim_occluded(RTCScene scene, float origin_x, float origin_y, float origin_z, float near,
+                   float direction_x, float direction_y, float direction_z, float far)
+{
+    struct RTCRay ray;
+    set_ray(&ray, (Four){origin_x, origin_y, origin_z, near},
+            (Four){direction_x, direction_y, direction_z, 0.0f}, far);
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded1(scene, &ray, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+#endif
+    return ray.tfar == -INFINITY;
 }
 
 const char *shim_error_message(RTCDevice device)

@@ -6,6 +6,7 @@
 #define LUMIFLOW_EMBREE_SHIM_H
 
 #include <rtcore.h>
+#include <stdbool.h>
 
 #if RTC_VERSION < 31300
 #error "Embree 3.13 or newer is needed"
@@ -26,11 +27,26 @@ struct ShimShape {
     double to_object[3][3];
 };
 
-/* Finds the closest hit; fills hit->hit and ray.tfar, leaves hit.geomID invalid on a miss. */
-void shim_intersect(RTCScene scene, struct RTCRayHit *hit);
+/* What a closest hit is. */
+struct ShimHit {
+    float distance, u, v;
+    unsigned primitive;
+    float normal[3];
+    unsigned geometry;
+    unsigned instance; /* RTC_INVALID_GEOMETRY_ID without one */
+};
 
-/* Sets ray->tfar to minus infinity when anything is hit. */
-void shim_occluded(RTCScene scene, struct RTCRay *ray);
+/* Finds the closest hit; false on a miss, which leaves *hit as it was.
+ *
+ * The ray comes in eight registers: Embree reads it in pieces of 16 bytes, which must have been
+ * written as such, or the processor waits until all smaller pieces have left for the cache. */
+bool shim_intersect(RTCScene scene, float origin_x, float origin_y, float origin_z, float near,
+                    float direction_x, float direction_y, float direction_z, float far,
+                    struct ShimHit *hit);
+
+/* Whether anything is hit. */
+bool shim_occluded(RTCScene scene, float origin_x, float origin_y, float origin_z, float near,
+                   float direction_x, float direction_y, float direction_z, float far);
 
 /* A new, uncommitted user geometry with one primitive; NULL on error. */
 RTCGeometry shim_new_analytic(RTCDevice device, enum ShimKind kind, const struct ShimShape *shape);

@@ -2,7 +2,7 @@
 //!
 //! One foreign call per ray, no allocation; the only check is that no number of the ray is broken.
 
-use std::mem::offset_of;
+use std::mem::MaybeUninit;
 
 use crate::bindings;
 use crate::buffers::VertexBuffer;
@@ -12,31 +12,9 @@ use crate::device::Device;
 // The C compiler asserts the same numbers in csrc/shim.c: bindgen's parser and the compiler that
 // built the shim agree on what crosses the border.
 const _: () = {
-    assert!(size_of::<bindings::RTCRay>() == 48, "RTCRay has 48 bytes");
     assert!(
-        align_of::<bindings::RTCRayHit>() == 16,
-        "Embree reads rays by aligned loads"
-    );
-    assert!(
-        offset_of!(bindings::RTCRay, tfar) == 32,
-        "RTCRay.tfar is at byte 32"
-    );
-    assert!(
-        offset_of!(bindings::RTCHit, geomID) == 24,
-        "RTCHit.geomID is at byte 24"
-    );
-    assert!(
-        offset_of!(bindings::RTCHit, instID) == 28,
-        "RTCHit.instID is at byte 28"
-    );
-    let hit = size_of::<bindings::RTCHit>();
-    assert!(
-        hit == 32 || hit == 48,
-        "RTCHit has 32 bytes, or 48 with instance arrays"
-    );
-    assert!(
-        size_of::<bindings::RTCRayHit>() == 48 + hit,
-        "no gap between ray and hit"
+        size_of::<bindings::ShimHit>() == 36 && align_of::<bindings::ShimHit>() == 4,
+        "ShimHit has no padding"
     );
     assert!(
         size_of::<bindings::ShimShape>() == 24 + 13 * 8,
@@ -149,30 +127,37 @@ impl CommittedScene {
         if !is_traceable(ray) {
             return None;
         }
-        let mut query = bindings::RTCRayHit {
-            ray: embree_ray(ray),
-            hit: bindings::RTCHit {
-                geomID: INVALID_ID,
-                instID: [INVALID_ID],
-                ..bindings::RTCHit::default()
-            },
+        let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+        let mut hit = MaybeUninit::<bindings::ShimHit>::uninit();
+        // SAFETY: the scene is live and committed; `hit` is ours and has room for a hit.
+        let is_hit = unsafe {
+            let to = hit.as_mut_ptr();
+            bindings::shim_intersect(
+                self.handle.raw(),
+                x,
+                y,
+                z,
+                ray.near,
+                dx,
+                dy,
+                dz,
+                ray.far,
+                to,
+            )
         };
-        // SAFETY: the scene is live and committed; the query is laid out and aligned as Embree
-        // wants it, and this call is its only user.
-        unsafe { bindings::shim_intersect(self.handle.raw(), &mut query) };
-        let hit = &query.hit;
-        if hit.geomID == INVALID_ID {
+        if !is_hit {
             return None;
         }
-        let [instance] = hit.instID;
+        // SAFETY: where there is a hit, all of it has been written.
+        let hit = unsafe { hit.assume_init() };
         Some(Hit {
-            distance: query.ray.tfar,
+            distance: hit.distance,
             u: hit.u,
             v: hit.v,
-            normal: [hit.Ng_x, hit.Ng_y, hit.Ng_z],
-            primitive: hit.primID,
-            geometry: hit.geomID,
-            instance: (instance != INVALID_ID).then_some(instance),
+            normal: hit.normal,
+            primitive: hit.primitive,
+            geometry: hit.geometry,
+            instance: (hit.instance != INVALID_ID).then_some(hit.instance),
         })
     }
 
@@ -182,10 +167,11 @@ impl CommittedScene {
         if !is_traceable(ray) {
             return false;
         }
-        let mut query = embree_ray(ray);
-        // SAFETY: as in `intersect`.
-        unsafe { bindings::shim_occluded(self.handle.raw(), &mut query) };
-        query.tfar == f32::NEG_INFINITY
+        let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+        // SAFETY: the scene is live and committed.
+        unsafe {
+            bindings::shim_occluded(self.handle.raw(), x, y, z, ray.near, dx, dy, dz, ray.far)
+        }
     }
 
     /// The box around everything in the scene, or nothing if the scene is empty.
@@ -217,31 +203,20 @@ impl CommittedScene {
 /// Whether Embree accepts the ray.
 ///
 /// Debian 12 compiles Embree with its assertions: it ends the process over a ray with
-/// not-a-number in it, where other builds visit the whole tree. Written without branches, and so
-/// that not-a-number fails.
+/// not-a-number in it, where other builds visit the whole tree. Written so that not-a-number
+/// fails.
 #[inline]
 fn is_traceable(ray: &Ray) -> bool {
-    let within = |[x, y, z]: [f32; 3]| {
-        let limit = VertexBuffer::LARGEST;
-        (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit)
-    };
-    within(ray.origin) & within(ray.direction) & (ray.near >= 0.0) & (ray.near <= ray.far)
+    let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+    // One comparison for nearly all rays: no coordinate is larger than the sum of all.
+    let sum = (x.abs() + y.abs() + z.abs()) + (dx.abs() + dy.abs() + dz.abs());
+    let is_within = sum <= VertexBuffer::LARGEST || all_within(ray);
+    is_within & (ray.near >= 0.0) & (ray.near <= ray.far)
 }
 
-#[inline]
-fn embree_ray(ray: &Ray) -> bindings::RTCRay {
-    bindings::RTCRay {
-        org_x: ray.origin[0],
-        org_y: ray.origin[1],
-        org_z: ray.origin[2],
-        tnear: ray.near,
-        dir_x: ray.direction[0],
-        dir_y: ray.direction[1],
-        dir_z: ray.direction[2],
-        time: 0.0,
-        tfar: ray.far,
-        mask: u32::MAX,
-        id: 0,
-        flags: 0,
-    }
+/// Whether no coordinate is too large or not-a-number.
+#[cold]
+fn all_within(ray: &Ray) -> bool {
+    let mut coordinates = ray.origin.iter().chain(&ray.direction);
+    coordinates.all(|coordinate| coordinate.abs() <= VertexBuffer::LARGEST)
 }

@@ -1,6 +1,8 @@
 //! Random triangles against a brute-force referee in double precision.
 
-use embree4_sys::{BuildOptions, Device, Error, IndexBuffer, Ray, SceneBuilder, VertexBuffer};
+use embree4_sys::{
+    BuildOptions, CommittedScene, Device, Error, IndexBuffer, Ray, SceneBuilder, VertexBuffer,
+};
 
 use crate::Numbers;
 
@@ -48,62 +50,82 @@ fn cross_triangle(ray: &Ray, corners: [[f32; 3]; 3]) -> Crossing {
     }
 }
 
+/// Nearer than this, a ray to an edge or an interval to its end, rounding decides.
+const MARGIN: f64 = 1e-4;
+
+/// What brute force says about a ray, given its crossings with all triangles.
+///
+/// Returns the distance of the nearest hit, if there is one; `None` where rounding decides.
+fn judged(ray: &Ray, crossings: &[Crossing]) -> Option<Option<f64>> {
+    let range = f64::from(ray.near)..=f64::from(ray.far);
+    let is_unclear = |crossing: &Crossing| {
+        let near_end = (crossing.distance - range.start()).abs() < MARGIN
+            || (crossing.distance - range.end()).abs() < MARGIN;
+        (crossing.inside.abs() < MARGIN && range.contains(&crossing.distance))
+            || (near_end && crossing.inside > -MARGIN)
+    };
+    if crossings.iter().any(is_unclear) {
+        return None;
+    }
+    let distances = crossings
+        .iter()
+        .filter(|crossing| crossing.inside > 0.0 && range.contains(&crossing.distance))
+        .map(|crossing| crossing.distance);
+    Some(distances.min_by(f64::total_cmp))
+}
+
+fn random_triangles(numbers: &mut Numbers) -> Vec<[[f32; 3]; 3]> {
+    let triangle = |_| {
+        let middle = numbers.point();
+        [(); 3].map(|()| {
+            let offset = numbers.point();
+            [0, 1, 2].map(|axis| middle[axis] + 0.3 * offset[axis])
+        })
+    };
+    (0..300).map(triangle).collect()
+}
+
+fn random_ray(numbers: &mut Numbers) -> Ray {
+    let far = 1.0 + numbers.signed();
+    let direction = numbers.point();
+    Ray {
+        origin: numbers.point(),
+        direction,
+        near: 1e-3,
+        far,
+    }
+}
+
+fn built(triangles: &[[[f32; 3]; 3]], robust: bool) -> Result<CommittedScene, Error> {
+    let indices = (0..triangles.len() as u32)
+        .map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner))
+        .collect();
+    let vertices = VertexBuffer::new(triangles.as_flattened().to_vec());
+    let options = BuildOptions {
+        robust,
+        ..BuildOptions::default()
+    };
+    let mut builder = SceneBuilder::with_options(&Device::new("")?, options)?;
+    builder.add_triangles(&vertices, &IndexBuffer::new(indices))?;
+    builder.commit()
+}
+
 #[test]
 fn hits_agree_with_brute_force() -> Result<(), Error> {
     for robust in [true, false] {
         let mut numbers = Numbers(20);
-        let triangles: Vec<[[f32; 3]; 3]> = (0..300)
-            .map(|_| {
-                let middle = numbers.point();
-                [(); 3].map(|()| {
-                    let offset = numbers.point();
-                    [0, 1, 2].map(|axis| middle[axis] + 0.3 * offset[axis])
-                })
-            })
-            .collect();
-        let indices = (0..300)
-            .map(|first| [3 * first, 3 * first + 1, 3 * first + 2])
-            .collect();
-        let vertices = VertexBuffer::new(triangles.as_flattened().to_vec());
-        let options = BuildOptions {
-            robust,
-            ..BuildOptions::default()
-        };
-        let mut builder = SceneBuilder::with_options(&Device::new("")?, options)?;
-        builder.add_triangles(&vertices, &IndexBuffer::new(indices))?;
-        let scene = builder.commit()?;
+        let triangles = random_triangles(&mut numbers);
+        let scene = built(&triangles, robust)?;
         let (mut hits, mut misses) = (0, 0);
         for _ in 0..4000 {
-            let far = 1.0 + numbers.signed();
-            let direction = numbers.point();
-            let ray = Ray {
-                origin: numbers.point(),
-                direction,
-                near: 1e-3,
-                far,
-            };
+            let ray = random_ray(&mut numbers);
             let crossings: Vec<Crossing> = triangles
                 .iter()
                 .map(|&corners| cross_triangle(&ray, corners))
                 .collect();
-            let margin = 1e-4;
-            let range = f64::from(ray.near)..=f64::from(ray.far);
-            // Rays within rounding of an edge or an end of the interval decide nothing.
-            let unclear = crossings.iter().any(|crossing| {
-                let near_end = (crossing.distance - range.start()).abs() < margin
-                    || (crossing.distance - range.end()).abs() < margin;
-                (crossing.inside.abs() < margin && range.contains(&crossing.distance))
-                    || (near_end && crossing.inside > -margin)
-            });
-            if unclear {
+            let Some(expected) = judged(&ray, &crossings) else {
                 continue;
-            }
-            let expected = crossings
-                .iter()
-                .map(|crossing| (crossing.inside > 0.0, crossing.distance))
-                .filter(|(inside, distance)| *inside && range.contains(distance))
-                .map(|(_, distance)| distance)
-                .min_by(f64::total_cmp);
+            };
             let found = scene
                 .intersect(&ray)
                 .map(|hit| (hit.primitive as usize, hit.distance));
@@ -118,7 +140,7 @@ fn hits_agree_with_brute_force() -> Result<(), Error> {
                         "{ray:?} {distance} {found}"
                     );
                     let named = crossings[primitive].distance;
-                    assert!((named - distance).abs() < margin, "{ray:?}: wrong triangle");
+                    assert!((named - distance).abs() < MARGIN, "{ray:?}: wrong triangle");
                 }
                 other => panic!("{ray:?}: expected and found {other:?}"),
             }

@@ -157,6 +157,11 @@ impl Algorithm for Erpt {
         Box::new(ErptRender::new(scene, sensor, self, settings))
     }
 
+    fn has_second_moment(&self) -> bool {
+        // What lands on a pixel at once is no sample of it.
+        false
+    }
+
     fn own_layers(&self) -> &'static [&'static str] {
         OWN_LAYERS
     }

@@ -265,10 +265,11 @@ impl Integrator for ErptRender<'_> {
             self.places.proposals,
             self.places.acceptance,
             self.places.chains,
-        ] {
-            if let Some(place) = place {
-                units[place] = Unit::for_magnitude(1.0);
-            }
+        ]
+        .into_iter()
+        .flatten()
+        {
+            units[place] = Unit::for_magnitude(1.0);
         }
         let bounds = self.scene.bounds();
         units.extend(self.settings.aovs.iter().map(|aov| aov.unit(bounds)));
@@ -322,10 +323,13 @@ impl Integrator for ErptRender<'_> {
 
     fn finish_pass(&self, layers: &mut [PassBuffer]) {
         let (beauty, parts) = layers.split_at_mut(1);
-        for place in [self.places.direct, Some(self.places.redistributed)] {
-            if let Some(place) = place {
-                beauty[0].add_buffer(&mut parts[place - 1]);
-            }
+        for place in self
+            .places
+            .direct
+            .into_iter()
+            .chain([self.places.redistributed])
+        {
+            beauty[0].add_buffer(&mut parts[place - 1]);
         }
     }
 

@@ -1,11 +1,13 @@
 //! A chain of paths as something that energy flows over.
 
+use glam::DVec3;
+
 use super::render::Work;
 use crate::energy::Walker;
 use crate::film::Filter;
 use crate::math::{Rgb, Vec2};
-use crate::mutation::{Chain, Proposed};
-use crate::path::Path;
+use crate::mutation::{Chain, ChoiceAt, Proposed};
+use crate::path::{self, Path};
 use crate::random::Stream;
 
 /// Walks over paths, and lets their energy land on layers.
@@ -15,6 +17,8 @@ pub(super) struct PathWalker<'a> {
     /// The chain with its statistics.
     pub(super) chain: Chain,
     seed: Path,
+    /// The mutations that apply to the seed and to all that becomes of it.
+    choice: ChoiceAt,
     levels: Vec<Path>,
     proposed: Option<Proposed>,
     here: State,
@@ -37,9 +41,15 @@ struct State {
 impl State {
     /// The state of a path; `None` for a path without light.
     fn of(path: &Path) -> Option<Self> {
+        Self::new(path.raster(), path.value())
+    }
+
+    /// The state of a path by its raster position and value.
+    #[inline]
+    fn new(raster: Vec2, value: DVec3) -> Option<Self> {
         Some(Self {
-            raster: path.raster(),
-            colour: path.colour()?,
+            raster,
+            colour: path::colour(value)?,
             ..Self::default()
         })
     }
@@ -59,6 +69,7 @@ impl<'a> PathWalker<'a> {
             random: Stream::new(0, crate::random::Purpose::Chain, 0, 0),
             chain: Chain::default(),
             seed: Path::default(),
+            choice: ChoiceAt::default(),
             levels: vec![Path::default(); levels],
             proposed: None,
             here: State::default(),
@@ -74,9 +85,8 @@ impl<'a> PathWalker<'a> {
     /// Puts the walker on a seed; false where nothing can move it, or it has no light.
     pub(super) fn start(&mut self, seed: &Path) -> bool {
         self.flush();
-        let choice = &self.work.mutations.choice;
-        let can_move = crate::mutation::Choose::choose(choice, seed, 0.0).is_some();
-        if !can_move || seed.colour().is_none() {
+        self.choice = self.work.mutations.choice.at(seed);
+        if self.choice.is_empty() || seed.colour().is_none() {
             return false;
         }
         self.seed.copy_from(seed);
@@ -127,12 +137,12 @@ impl Walker for PathWalker<'_> {
         self.proposed = self.chain.propose(
             &work.space,
             &work.perturbation,
-            &work.mutations.choice,
+            &self.choice,
             &mut self.random,
         );
         let mut acceptance = 0.0;
         if let Some(proposed) = self.proposed {
-            match State::of(self.chain.proposal()) {
+            match State::new(self.chain.proposal().raster(), proposed.value) {
                 Some(state) => {
                     self.there = state;
                     acceptance = proposed.acceptance;

@@ -296,7 +296,7 @@ impl Loader<'_> {
         ];
         let kind = reader.choice("distribution", &kinds, MicrofacetKind::Beckmann);
         if matches!(reader.string("distribution", ""), "phong" | "as") {
-            reader.warning(
+            reader.replacement(
                 "distribution",
                 "this distribution is not known; \"beckmann\" is used instead",
             );

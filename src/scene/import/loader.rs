@@ -18,6 +18,8 @@ pub(super) struct Loader<'t> {
     pub(super) tree: &'t SceneTree,
     pub(super) problems: &'t Diagnostics,
     pub(super) builder: SceneBuilder,
+    /// Where the shapes of the builder come from, in their order.
+    pub(super) shapes: Vec<ElementId>,
     pub(super) bsdfs: HashMap<ElementId, BsdfId>,
     pub(super) textures: HashMap<ElementId, Option<Texture>>,
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
@@ -40,6 +42,7 @@ impl<'t> Loader<'t> {
             tree,
             problems,
             builder: SceneBuilder::new(),
+            shapes: Vec::new(),
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             serialized: HashMap::new(),

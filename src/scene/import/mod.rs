@@ -16,8 +16,9 @@ pub mod xml;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::Scene;
 use super::options::Options;
+use super::{BuildError, Scene};
+use crate::accel::AccelError;
 use crate::film::{Filter, Window};
 use crate::random::SamplerKind;
 use crate::sensor::Sensor;
@@ -203,13 +204,20 @@ impl Loader<'_> {
 
     /// Builds the scene; `None` after noting why there is none.
     fn finish(self) -> Option<Scene> {
-        let root = self.location(self.tree.root());
         if self.problems.has_errors() {
             return None;
         }
-        self.builder
-            .build()
-            .map_err(|error| self.problems.error(root, error.to_string()))
+        let culprit = |error: &BuildError| match error {
+            BuildError::Accel(AccelError::Geometry { index, .. }) => self.shapes.get(*index),
+            _ => None,
+        };
+        let built = self.builder.build();
+        built
+            .map_err(|error| {
+                let element = culprit(&error).copied().unwrap_or(self.tree.root());
+                let location = &self.tree[element].location;
+                self.problems.error(location, error.to_string());
+            })
             .ok()
     }
 }

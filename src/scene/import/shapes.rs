@@ -61,8 +61,9 @@ impl Loader<'_> {
         {
             mesh.follow_coordinates();
         }
-        if let Err(error) = self.builder.add_shape(shape, bsdf, radiance) {
-            self.problems.error(self.location(id), error.to_string());
+        match self.builder.add_shape(shape, bsdf, radiance) {
+            Ok(()) => self.shapes.push(id),
+            Err(error) => self.problems.error(self.location(id), error.to_string()),
         }
     }
 

@@ -25,6 +25,23 @@ const DEFAULT_SIZE: (i64, i64) = (768, 576);
 /// The largest width and height.
 const LARGEST_SIDE: i64 = 65_536;
 
+/// Properties of a film that say how its file is written, which is asked on the command line.
+const FILE_OPTIONS: [&str; 13] = [
+    "file_format",
+    "banner",
+    "attach_log",
+    "high_quality_edges",
+    "gamma",
+    "exposure",
+    "tonemap_method",
+    "label",
+    "compensate",
+    "sample_border",
+    "variable",
+    "key",
+    "burn",
+];
+
 impl Loader<'_> {
     /// Reads a sensor; `None` after noting why there is none.
     ///
@@ -72,54 +89,25 @@ impl Loader<'_> {
                 "unknown {}; \"hdrfilm\" is used instead",
                 reader.element().title()
             );
-            self.problems.warning(self.location(id), message);
+            self.problems.replacement(self.location(id), message);
         }
         let width = reader.integer("width", DEFAULT_SIZE.0);
         let height = reader.integer("height", DEFAULT_SIZE.1);
         let size = film_size.or_else(|| self.film_side(&reader, width, height));
         let window = size.and_then(|size| self.crop(&mut reader, size, film_size.is_some()));
+        if let Some(window) = window.filter(|window| !window.is_affordable()) {
+            let most = Window::MOST_PIXELS;
+            let Window { width, height, .. } = window;
+            let message = format!("{width}x{height} pixels are too many, expected {most} at most");
+            reader.error("width", message);
+        }
         let filter = match reader.child(ElementKind::ReconstructionFilter) {
             Some(filter) => self.filter(filter),
             None => Filter::new(FilterKind::Gaussian { stddev: 0.5 }),
         };
-        let alpha = [
-            ("rgb", false),
-            ("rgba", true),
-            ("luminance", false),
-            ("luminance_alpha", true),
-        ];
-        let alpha = match reader
-            .optional_string("pixel_format")
-            .map(str::to_lowercase)
-        {
-            None => false,
-            Some(format) => {
-                let known = alpha.iter().find(|(name, _)| *name == format);
-                if known.is_none() {
-                    let message =
-                        format!("unknown pixel format \"{format}\"; \"rgb\" is used instead");
-                    reader.warning("pixel_format", message);
-                }
-                known.is_some_and(|(_, alpha)| *alpha)
-            }
-        };
+        let alpha = has_alpha(&mut reader);
         let half = reader.string("component_format", "float16").to_lowercase() == "float16";
-        // How the file is written is asked on the command line.
-        reader.ignore(&[
-            "file_format",
-            "banner",
-            "attach_log",
-            "high_quality_edges",
-            "gamma",
-            "exposure",
-            "tonemap_method",
-            "label",
-            "compensate",
-            "sample_border",
-            "variable",
-            "key",
-            "burn",
-        ]);
+        reader.ignore(&FILE_OPTIONS);
         reader.finish();
         let (size, window, filter) = (size?, window?, filter?);
         Some(Film {
@@ -228,7 +216,7 @@ impl Loader<'_> {
             _ => {
                 let title = reader.element().title();
                 let message = format!("unknown {title}; \"gaussian\" is used instead");
-                self.problems.warning(self.location(id), message);
+                self.problems.replacement(self.location(id), message);
                 FilterKind::Gaussian { stddev: 0.5 }
             }
         };
@@ -253,15 +241,15 @@ impl Loader<'_> {
             _ => {
                 let title = reader.element().title();
                 let message = format!("unknown {title}; \"sobol\" is used instead");
-                self.problems.warning(self.location(id), message);
+                self.problems.replacement(self.location(id), message);
                 SamplerKind::Sobol
             }
         };
         let count = reader.integer("sample_count", 4);
-        if !(1..=i64::from(u32::MAX)).contains(&count) {
+        if !(1..=i64::from(i32::MAX)).contains(&count) {
             reader.error(
                 "sample_count",
-                format!("\"sample_count\" is {count}, expected 1 or more"),
+                format!("\"sample_count\" is {count}, expected 1 to {}", i32::MAX),
             );
         }
         // Seeds come from the command line; the rest has no counterpart here.
@@ -349,6 +337,22 @@ impl Loader<'_> {
                 reader.error("focal_length", message);
                 None
             }
+        }
+    }
+}
+
+/// Whether a film keeps alpha; an unknown pixel format does not, with a warning.
+fn has_alpha(reader: &mut ElementReader<'_>) -> bool {
+    let Some(format) = reader.optional_string("pixel_format") else {
+        return false;
+    };
+    match format.to_lowercase().as_str() {
+        "rgb" | "luminance" => false,
+        "rgba" | "luminance_alpha" => true,
+        unknown => {
+            let message = format!("unknown pixel format \"{unknown}\"; \"rgb\" is used instead");
+            reader.warning("pixel_format", message);
+            false
         }
     }
 }

@@ -143,67 +143,64 @@ struct Table {
 
 impl Table {
     fn parse(bytes: &[u8]) -> Result<Self, MeshProblem> {
-        let syntax = |at, message| MeshProblem::Syntax {
-            place: Place::Byte(at),
-            message,
-        };
-        if shape_word(bytes, 0, 0)? != MAGIC {
-            return Err(syntax(
-                0,
-                "this is not a serialized mesh file of Mitsuba".to_owned(),
-            ));
-        }
-        let version = shape_word(bytes, 0, 2)?;
-        let width = match version {
-            3 => 4,
-            4 => 8,
-            _ => {
-                return Err(syntax(
-                    2,
-                    format!("version {version} is not known (3 and 4 are)"),
-                ));
-            }
-        };
-        let Some((body, &count)) = bytes[4..].split_last_chunk::<4>() else {
-            let expected = "the table of shapes".to_owned();
-            return Err(MeshProblem::Truncated {
-                place: Place::Byte(bytes.len()),
-                expected,
-            });
-        };
-        let count = u32::from_le_bytes(count) as usize;
-        let Some(table_in_body) = count
-            .checked_mul(width)
-            .and_then(|size| body.len().checked_sub(size))
-        else {
-            return Err(MeshProblem::TooLarge {
-                place: Place::Byte(bytes.len() - 4),
-                claim: format!("{count} shapes are announced"),
-                available: body.len() as u64,
-            });
-        };
-        let start = 4 + table_in_body;
-        let offset = |(i, entry): (usize, &[u8])| {
-            let offset = entry
-                .iter()
-                .rev()
-                .fold(0_u64, |value, &b| (value << 8) | u64::from(b));
-            usize::try_from(offset)
-                .ok()
-                .filter(|&offset| offset < start)
-                .ok_or_else(|| {
-                    let message = format!("shape {i} begins at byte {offset}, past the last shape");
-                    syntax(start + i * width, message)
-                })
-        };
-        let entries = body[table_in_body..].chunks_exact(width).enumerate();
-        let offsets = entries.map(offset).collect::<Result<_, _>>()?;
+        let version = version(bytes)?;
+        let width = if version == 3 { 4 } else { 8 };
+        let start = table_start(bytes, width)?;
+        let entries = bytes[start..bytes.len() - 4].chunks_exact(width);
+        let offsets = entries.enumerate().map(|(i, entry)| {
+            let little_endian = |value, &byte| (value << 8) | u64::from(byte);
+            let offset = entry.iter().rev().fold(0_u64, little_endian);
+            let shape = usize::try_from(offset).ok().filter(|&o| o < start);
+            shape.ok_or_else(|| MeshProblem::Syntax {
+                place: Place::Byte(start + i * width),
+                message: format!("shape {i} begins at byte {offset}, past the last shape"),
+            })
+        });
         Ok(Self {
             version,
-            offsets,
+            offsets: offsets.collect::<Result<_, _>>()?,
             start,
         })
     }
+}
+
+/// The version of a file by its first shape; an error where lumiflow does not read it.
+fn version(bytes: &[u8]) -> Result<u16, MeshProblem> {
+    let (at, message) = if shape_word(bytes, 0, 0)? != MAGIC {
+        let message = "this is not a serialized mesh file of Mitsuba".to_owned();
+        (0, message)
+    } else {
+        match shape_word(bytes, 0, 2)? {
+            version @ (3 | 4) => return Ok(version),
+            version => (2, format!("version {version} is not known (3 and 4 are)")),
+        }
+    };
+    Err(MeshProblem::Syntax {
+        place: Place::Byte(at),
+        message,
+    })
+}
+
+/// Where the table of offsets begins: before the number of shapes, which ends the file.
+///
+/// - `bytes`: with the head of a shape in front; `width`: bytes of one offset.
+fn table_start(bytes: &[u8], width: usize) -> Result<usize, MeshProblem> {
+    let Some((body, &count)) = bytes[4..].split_last_chunk::<4>() else {
+        return Err(MeshProblem::Truncated {
+            place: Place::Byte(bytes.len()),
+            expected: "the table of shapes".to_owned(),
+        });
+    };
+    let count = u32::from_le_bytes(count) as usize;
+    let size = count.checked_mul(width);
+    let start = size.and_then(|size| body.len().checked_sub(size));
+    start
+        .map(|start| 4 + start)
+        .ok_or_else(|| MeshProblem::TooLarge {
+            place: Place::Byte(bytes.len() - 4),
+            claim: format!("{count} shapes are announced"),
+            available: body.len() as u64,
+        })
 }
 
 /// The 16-bit number at `at` in a shape that begins at `start` in its file.

@@ -35,8 +35,25 @@ pub struct Diagnostic {
     pub location: Option<Location>,
     /// A lower-case sentence: what was found, what was expected, what may have been meant.
     pub message: String,
-    /// True when `--lenient` let something else stand in for what the file says.
+    /// True when something else stands in for what the file says.
     pub is_replacement: bool,
+}
+
+impl Diagnostic {
+    /// `file:line:col: message` with the file's name only, which is the same wherever it stands.
+    pub fn brief(&self) -> String {
+        let Some(location) = &self.location else {
+            return self.message.clone();
+        };
+        let path = &location.source.path;
+        let file = path.file_name().unwrap_or(path.as_os_str());
+        let (line, column) = (location.line, location.column);
+        format!(
+            "{}:{line}:{column}: {}",
+            file.to_string_lossy(),
+            self.message
+        )
+    }
 }
 
 impl fmt::Display for Diagnostic {
@@ -75,9 +92,19 @@ impl Diagnostics {
         self.push(Severity::Error, Some(location), message.into());
     }
 
-    /// Notes that something has no effect or was replaced; an error under `--strict`.
+    /// Notes that something has no effect; an error under `--strict`.
     pub fn warning(&self, location: &Location, message: impl Into<String>) {
         self.push(self.warning_severity(), Some(location), message.into());
+    }
+
+    /// Notes that something else stands in for what the file says; an error under `--strict`.
+    pub fn replacement(&self, location: &Location, message: impl Into<String>) {
+        self.found.borrow_mut().push(Diagnostic {
+            severity: self.warning_severity(),
+            location: Some(location.clone()),
+            message: message.into(),
+            is_replacement: true,
+        });
     }
 
     /// Notes a warning about the command line.

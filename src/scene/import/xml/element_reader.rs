@@ -1,34 +1,19 @@
 //! Typed access to one element, which remembers what was asked for.
 
+mod children;
+mod colours;
+
 use std::path::PathBuf;
 
-use crate::math::{Rgb, Transform, Vec2, Vec3};
+use crate::math::{Transform, Vec2, Vec3};
 
-use super::colour::{Colour, ColourUse};
 use super::diagnostics::Diagnostics;
-use super::kinds::ElementKind;
 use super::source::Location;
 use super::suggest::did_you_mean;
 use super::tree::{Element, ElementId, Property, PropertyValue, SceneTree};
 use super::values::shown;
 
-/// A colour or the texture that stands in its place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ColourSource {
-    /// The same everywhere.
-    Constant(Rgb),
-    /// An element of kind [`ElementKind::Texture`].
-    Texture(ElementId),
-}
-
-/// A number or the texture that stands in its place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ScalarSource {
-    /// The same everywhere.
-    Constant(f32),
-    /// An element of kind [`ElementKind::Texture`].
-    Texture(ElementId),
-}
+pub use colours::{ColourSource, ScalarSource};
 
 /// A number, or a name that stands for one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,52 +198,6 @@ impl<'a> ElementReader<'a> {
         })
     }
 
-    /// A colour, if there is one. A float is a grey; a number out of range is clamped with a
-    /// warning.
-    pub fn colour(&mut self, name: &str, wanted: ColourUse) -> Option<Rgb> {
-        let resolved = self.value(name, "a colour", |value| match value {
-            PropertyValue::Colour(colour) => Some(colour.resolve(wanted)),
-            PropertyValue::Float(number) => Some(Rgb::grey(*number as f32)),
-            PropertyValue::Integer(number) => Some(Rgb::grey(*number as f32)),
-            _ => None,
-        })?;
-        let (high, range) = match wanted {
-            ColourUse::Reflectance => (1.0, "outside 0 to 1"),
-            ColourUse::Emission | ColourUse::Index => (f32::INFINITY, "negative"),
-        };
-        let clamped = resolved.clamp(0.0, high);
-        if clamped != resolved {
-            let [r, g, b] = resolved.to_array();
-            let message = format!("\"{name}\" is {r}, {g}, {b}, which is {range}; clamped");
-            self.problems.warning(&self.location_of(name), message);
-        }
-        Some(clamped)
-    }
-
-    /// A spectrum as the file writes it, for plugins that need more than a triple.
-    pub fn symbolic_colour(&mut self, name: &str) -> Option<&'a Colour> {
-        self.value(name, "a colour", |value| match value {
-            PropertyValue::Colour(colour) => Some(colour),
-            _ => None,
-        })
-    }
-
-    /// A colour or a texture called `name`, if there is one.
-    pub fn texture(&mut self, name: &str, wanted: ColourUse) -> Option<ColourSource> {
-        match self.child_named(name, ElementKind::Texture) {
-            Some(texture) => Some(ColourSource::Texture(texture)),
-            None => self.colour(name, wanted).map(ColourSource::Constant),
-        }
-    }
-
-    /// A number or a texture called `name`, if there is one.
-    pub fn scalar_texture(&mut self, name: &str) -> Option<ScalarSource> {
-        match self.child_named(name, ElementKind::Texture) {
-            Some(texture) => Some(ScalarSource::Texture(texture)),
-            None => self.optional_float(name).map(ScalarSource::Constant),
-        }
-    }
-
     /// The file that a text property names, found on disk; absent or missing ones are errors.
     pub fn file(&mut self, name: &str) -> Option<PathBuf> {
         self.note_absence(name);
@@ -270,53 +209,6 @@ impl<'a> ElementReader<'a> {
         let file = self.optional_string(name)?;
         self.tree
             .find_file(file, &self.location_of(name), self.problems)
-    }
-
-    /// All children of `kind`, in the order of the file, whatever their names.
-    pub fn children(&mut self, kind: ElementKind) -> Vec<ElementId> {
-        let mut found = Vec::new();
-        for (child, used) in self.element.children.iter().zip(&mut self.used_children) {
-            if self.tree[child.element].kind == kind {
-                *used = true;
-                found.push(child.element);
-            }
-        }
-        found
-    }
-
-    /// The child of `kind` where there can be one only; further ones are ignored with a warning.
-    pub fn child(&mut self, kind: ElementKind) -> Option<ElementId> {
-        let found = self.children(kind);
-        let here = self.element.children.iter();
-        for extra in here
-            .filter(|child| self.tree[child.element].kind == kind)
-            .skip(1)
-        {
-            let message = format!("{} holds one {kind} only; ignored", self.element.title());
-            self.problems.warning(&extra.location, message);
-        }
-        found.first().copied()
-    }
-
-    /// The child called `name`, if there is one; one of another kind is an error.
-    pub fn child_named(&mut self, name: &str, kind: ElementKind) -> Option<ElementId> {
-        self.ask(name);
-        let named = |child: &super::Child| {
-            child
-                .name
-                .as_ref()
-                .is_some_and(|found| found.normalised == name)
-        };
-        let index = self.element.children.iter().rposition(named)?;
-        let child = &self.element.children[index];
-        self.used_children[index] = true;
-        let found = self.tree[child.element].kind;
-        if found == kind {
-            return Some(child.element);
-        }
-        let message = format!("\"{name}\" is a {found}, expected a {kind}");
-        self.problems.error(&child.location, message);
-        None
     }
 
     /// Accepts properties that have no effect here, so that [`ElementReader::finish`] is silent.
@@ -334,6 +226,11 @@ impl<'a> ElementReader<'a> {
     /// Notes a warning about the property `name`, or about the element when it is absent.
     pub fn warning(&self, name: &str, message: impl Into<String>) {
         self.problems.warning(&self.location_of(name), message);
+    }
+
+    /// Notes that something stands in for what the property `name` says.
+    pub fn replacement(&self, name: &str, message: impl Into<String>) {
+        self.problems.replacement(&self.location_of(name), message);
     }
 
     /// Warns about every property and child that nobody asked for.

@@ -6,12 +6,18 @@ use super::diagnostics::Diagnostics;
 use super::source::Location;
 use super::suggest::did_you_mean;
 
+/// The most bytes that parameters insert into a scene. Each may be made of ten others, and so on.
+const MOST_INSERTED: usize = 1 << 24;
+
 /// The parameters known so far. The first definition of a name wins, the command line before all.
 #[derive(Debug, Default)]
 pub(super) struct Parameters {
     known: BTreeMap<String, Parameter>,
     /// Uses of names that had no value then; judged at the end, when all names are known.
     undefined: Vec<(String, Location)>,
+    /// Bytes inserted so far, and where they became too many.
+    inserted: usize,
+    overflow: Option<Location>,
 }
 
 #[derive(Debug)]
@@ -36,7 +42,7 @@ impl Parameters {
             .collect();
         Self {
             known,
-            undefined: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -50,7 +56,8 @@ impl Parameters {
     }
 
     /// Replaces each `$name` in `text`, the longest known name first. Inserted values are not
-    /// looked at again. An undefined name is noted and `None` returned.
+    /// looked at again. An undefined name is noted and `None` returned, as where values become too
+    /// long.
     pub(super) fn substitute(&mut self, text: &str, location: &Location) -> Option<String> {
         let mut result = String::with_capacity(text.len());
         let mut rest = text;
@@ -63,7 +70,12 @@ impl Parameters {
             if let Some((name, parameter)) = self.longest_prefix(after) {
                 parameter.used = true;
                 result.push_str(&parameter.value);
+                self.inserted += parameter.value.len();
                 rest = &after[name..];
+                if self.inserted > MOST_INSERTED {
+                    self.overflow.get_or_insert_with(|| location.clone());
+                    return None;
+                }
             } else if word.is_empty() {
                 result.push('$');
                 rest = after;
@@ -86,8 +98,12 @@ impl Parameters {
             .map(|(name, parameter)| (name.len(), parameter))
     }
 
-    /// Reports undefined names, and definitions of the command line that nothing uses.
+    /// Reports undefined names, values that became too long, and definitions of the command line that nothing uses.
     pub(super) fn report(&self, problems: &Diagnostics) {
+        if let Some(location) = &self.overflow {
+            let message = format!("the values of parameters fill more than {MOST_INSERTED} bytes");
+            return problems.error(location, message);
+        }
         for (name, location) in &self.undefined {
             let later = self
                 .known

@@ -1,5 +1,6 @@
 //! Tables of XML and what reading it says.
 
+mod bad_values;
 mod errors;
 mod files;
 mod scenes;

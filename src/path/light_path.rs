@@ -124,15 +124,20 @@ impl Path {
     /// Colour of the path, scaled to luminance one; `None` for a path without light.
     #[inline]
     pub fn colour(&self) -> Option<Rgb> {
-        let value = self.value();
-        let luminance = luminance(value);
-        (luminance > 0.0 && luminance.is_finite()).then(|| Rgb((value / luminance).as_vec3()))
+        colour(self.value())
     }
 
     /// The events from the sensor to the light, as letters.
     pub fn signature(&self) -> Signature<'_> {
         Signature(self.vertices())
     }
+}
+
+/// A value scaled to luminance one; `None` where it has none.
+#[inline]
+pub(crate) fn colour(value: DVec3) -> Option<Rgb> {
+    let luminance = luminance(value);
+    (luminance > 0.0 && luminance.is_finite()).then(|| Rgb((value / luminance).as_vec3()))
 }
 
 /// Luminance of a triple in `f64`.

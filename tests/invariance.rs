@@ -1,0 +1,226 @@
+//! Chains of any length, under any flow rule, move energy about and leave the mean picture as it is.
+
+use crate::support::effort::{is_proof, level, samples, seed};
+use crate::support::hard_scenes::{
+    View, body_in_glass, bumpy_mirror, glass_caustic, indirect, many_lights, mirror_caustic,
+    out_of_focus, plastics,
+};
+use crate::support::render::{Replicas, image, integrator, layer, run, settings, tiles};
+
+const SIDE: u32 = 16;
+const TILE: usize = 4;
+const REPLICAS: u64 = 32;
+/// Chance that a right program fails one of these tests with another seed.
+const LEVEL: f64 = 1e-3;
+
+/// One way of spreading the energy of seeds.
+struct Way {
+    options: String,
+    /// Passes of a replica in the suite.
+    passes: u32,
+}
+
+/// The flow rules, each with chains of four lengths, shortest first.
+fn ways() -> [[Way; 4]; 4] {
+    let equal = |expected: bool| {
+        [(1, 30, 6), (10, 30, 6), (100, 50, 3), (1000, 100, 3)].map(
+            |(length, mutations, passes)| Way {
+                options: format!(
+                    "chain_length={length} mutations_per_sample={mutations} expected_values={expected}"
+                ),
+                passes,
+            },
+        )
+    };
+    let detailed = [(1, 24), (10, 6), (100, 2), (1000, 1)].map(|(proposals, passes)| Way {
+        options: format!("flow=detailed chain_length={proposals}"),
+        passes,
+    });
+    let iterated = [(1, 1, 16), (1, 4, 6), (2, 3, 6), (1, 8, 3)].map(|(proposals, depth, passes)| Way {
+        options: format!(
+            "flow=iterated flow_proposals={proposals} flow_depth={depth} mutations_per_sample=10"
+        ),
+        passes,
+    });
+    [equal(true), equal(false), detailed, iterated]
+}
+
+/// Options that change how paths are mutated, or which ones. Large moves make errors large.
+const MUTATIONS: [&str; 4] = [
+    "direct_samples=1 lens_size=12 angle_largest=0.5",
+    "separate_direct=false lens_shape=log lens_size=8",
+    "direct_samples=1 caustic_pixels=8 lens_shape=disk lens_size=6",
+    "direct_samples=1 mutation_choice=mixture lai_lens_perturbation=true angle_largest=0.5",
+];
+
+/// The ways to try with one scene: all of them for the proof, else one of each flow rule, so that
+/// four scenes see all of them.
+///
+/// - `scene`: its number.
+fn ways_for(scene: usize) -> Vec<Way> {
+    let mut chosen = Vec::new();
+    for (flow, ways) in ways().into_iter().enumerate() {
+        for (length, mut way) in ways.into_iter().enumerate() {
+            // A thousand proposals from every seed take too long.
+            let is_slow = flow == 2 && length == 3;
+            if is_proof() || (length == (scene + flow) % 4 && !is_slow) {
+                let mutations = MUTATIONS[(scene + scene / 4 + length) % 4];
+                way.options = format!("{} {mutations}", way.options);
+                if is_proof() && !is_slow {
+                    way.passes *= 4;
+                }
+                chosen.push(way);
+            }
+        }
+    }
+    chosen
+}
+
+const TRACING: &str = "max_depth=6";
+
+/// Means of tiles of a picture, and of what of it chains have made.
+fn render(view: &View, text: &str, seed: u64, passes: u32) -> [Vec<f64>; 2] {
+    let algorithm = integrator(text);
+    let settings = settings(seed, SIDE);
+    let rendered = run(
+        &view.scene,
+        &view.sensor,
+        algorithm.as_ref(),
+        settings,
+        passes,
+    );
+    let whole = tiles(&image(&rendered), TILE);
+    if text.starts_with("path") {
+        return [whole.clone(), whole];
+    }
+    [whole, tiles(&layer(&rendered, "redistributed"), TILE)]
+}
+
+/// Path-traced pictures of a scene: what all others must look like.
+struct Reference {
+    replicas: Replicas,
+    means: Vec<f64>,
+}
+
+impl Reference {
+    fn new(view: &View) -> Self {
+        let text = format!("path {TRACING}");
+        let passes = samples(32);
+        let replicas = Replicas::new(seed(900), REPLICAS, |seed| {
+            let [whole, _] = render(view, &text, seed, passes);
+            whole
+        });
+        let means = replicas.summary().iter().map(|(mean, _)| *mean).collect();
+        Self { replicas, means }
+    }
+
+    /// Checks pictures made by chains, and what chains have made more than the path-traced pictures of
+    /// their own seeds show, which varies less.
+    ///
+    /// - `seeds`: the view whose path-traced pictures are compared.
+    fn check(&self, view: &View, seeds: &View, way: &Way) -> Result<(), String> {
+        let text = format!("erpt {TRACING} luminance_samples=256 {}", way.options);
+        let mut differences = Vec::new();
+        let pictures = Replicas::new(seed(500), REPLICAS, |seed| {
+            let [whole, chains] = render(view, &text, seed, way.passes);
+            differences.push(self.difference(&chains, seeds, way, seed));
+            whole
+        });
+        let differences = Replicas {
+            values: differences,
+        };
+        let level = level(LEVEL) / 3.0;
+        differences
+            .check(&self.means, level)
+            .and_then(|()| differences.check_mean_square(&self.means, level))
+            .and_then(|()| pictures.check_same(&self.replicas, level))
+            .map_err(|error| format!("{}, {text}: {error}", view.name))
+    }
+
+    /// What chains have made more than their seeds; around the reference, so that rounding has a scale.
+    fn difference(&self, chains: &[f64], seeds: &View, way: &Way, seed: u64) -> Vec<f64> {
+        let traced = |options: &str| {
+            let [whole, _] = render(seeds, &format!("path {options}"), seed, way.passes);
+            whole
+        };
+        let mut all = traced(TRACING);
+        if !way.options.contains("separate_direct=false") {
+            let direct = traced("max_depth=2");
+            all.iter_mut()
+                .zip(direct)
+                .for_each(|(all, direct)| *all -= direct);
+        }
+        let triples = chains.iter().zip(&all).zip(&self.means);
+        triples.map(|((a, b), mean)| a - b + mean).collect()
+    }
+}
+
+fn check(scene: usize, view: &View) -> Result<(), String> {
+    let reference = Reference::new(view);
+    let ways = ways_for(scene);
+    let found = ways.iter().map(|way| reference.check(view, view, way));
+    // All that is wrong, not only the first.
+    let errors: Vec<String> = found.filter_map(Result::err).collect();
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(errors.join("\n"))
+    }
+}
+
+#[test]
+fn diffuse_light_stays_the_same() -> Result<(), String> {
+    check(0, &indirect(SIDE))
+}
+
+#[test]
+fn caustics_of_glass_stay_the_same() -> Result<(), String> {
+    check(1, &glass_caustic(SIDE, 1.0))
+}
+
+#[test]
+fn caustics_of_mirrors_stay_the_same() -> Result<(), String> {
+    check(2, &mirror_caustic(SIDE))
+}
+
+#[test]
+fn bodies_in_glass_stay_the_same() -> Result<(), String> {
+    check(3, &body_in_glass(SIDE))
+}
+
+#[test]
+fn plastic_stays_the_same() -> Result<(), String> {
+    check(4, &plastics(SIDE))
+}
+
+#[test]
+fn bumpy_mirrors_stay_the_same() -> Result<(), String> {
+    check(5, &bumpy_mirror(SIDE))
+}
+
+#[test]
+fn what_is_out_of_focus_stays_the_same() -> Result<(), String> {
+    check(6, &out_of_focus(SIDE))
+}
+
+#[test]
+fn light_from_everywhere_stays_the_same() -> Result<(), String> {
+    check(7, &many_lights(SIDE))
+}
+
+#[test]
+fn chains_that_make_or_lose_light_are_found() {
+    let view = glass_caustic(SIDE, 1.0);
+    let reference = Reference::new(&view);
+    let way = |options: &str| Way {
+        options: options.to_owned(),
+        passes: 2,
+    };
+    // Three per cent too much.
+    let brighter = glass_caustic(SIDE, 1.03);
+    let options = "chain_length=10 mutations_per_sample=30 separate_direct=false";
+    assert!(reference.check(&brighter, &view, &way(options)).is_err());
+    // Caustics are left out.
+    let options = format!("{options} max_depth=3");
+    assert!(reference.check(&view, &view, &way(&options)).is_err());
+}
