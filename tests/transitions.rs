@@ -191,7 +191,7 @@ fn sensor() -> Sensor {
 fn mutations_propose_with_the_density_that_they_claim() {
     let mut stream = Stream::new(seed(65), Purpose::Check, 0, 0);
     let angle = AngleKernel {
-        inner: 0.005,
+        inner: 0.001,
         outer: 0.9,
     };
     let wide = Perturbation {

@@ -21,17 +21,17 @@ fault              | stage          | mutation    | paths    | samples | shows i
 HeadCosine         | point and spot | caustic     | all      | 30000   | head cosine
 HeadCosine         | mirror hall    | caustic     | caustics | 2500000 | head cosine
 ImageCosine        | rough metal    | caustic     | all      | 30000   | image cosine
-ImageCosine        | mirror hall    | caustic     | caustics | 600000  | image cosine
+ImageCosine        | mirror hall    | caustic     | caustics | 900000 | image cosine
 ImageDistance      | rough metal    | caustic     | all      | 30000   | image distance²
-ImageDistance      | mirror hall    | caustic     | caustics | 200000  | image distance²
-PixelsPerSteradian | point and spot | caustic     | all      | 40000   | pixels/sr
-PixelsPerSteradian | mirror hall    | caustic     | caustics | 300000  | pixels/sr
+ImageDistance      | mirror hall    | caustic     | caustics | 300000 | image distance²
+PixelsPerSteradian | point and spot | caustic     | all      | 60000 | pixels/sr
+PixelsPerSteradian | mirror hall    | caustic     | caustics | 600000 | pixels/sr
 FirstCosine        | plastic        | caustic     | all      | 30000   | first cosine
-FirstCosine        | mirror         | caustic     | caustics | 200000  | first cosine
+FirstCosine        | mirror         | caustic     | caustics | 400000 | first cosine
 Adjoint            | tank           | caustic     | caustics | 200000  | adjoint
-ShadingNormals     | smooth glass   | caustic     | caustics | 300000  | shading part
+ShadingNormals     | smooth glass   | caustic     | caustics | 450000 | shading part
 ShadingNormals     | smooth mirror  | caustic     | caustics | 300000  | shading part
-ShadingNormals     | bumpy mirror   | caustic     | caustics | 300000  | shading part
+ShadingNormals     | bumpy mirror   | caustic     | caustics | 450000 | shading part
 LargestAngle       | diffuse box    | caustic     | all      | 20000   | largest angle
 WayBack            | diffuse box    | caustic     | all      | 20000   | largest angle
 ConnectionCosine   | diffuse box    | lens        | all      | 20000   | connection cosine
@@ -46,7 +46,7 @@ Area               | open air       | lai_lens    | all      | 40000   | aimed a
 Aim                | tank           | multi_chain | all      | 100000  | turned cosine
 Aim                | open air       | multi_chain | all      | 40000   | turned cosine
 Choice             | mirror         | lens        | all      | 20000   | left half
-Ratio              | diffuse box    | lens        | all      | 600000  | luminance
+Ratio              | diffuse box    | lens        | all      | 1000000 | luminance
 ";
 
 /// Every fault at least once.
