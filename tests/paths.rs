@@ -1,5 +1,6 @@
 //! Paths are what they say, whatever made them: the path tracer, or a long chain of mutations.
 
+use lumiflow::math::Vec3;
 use lumiflow::mutation::{CausticPerturbation, Chain, Choice, Choose, Mutation};
 use lumiflow::path::{Claim, Path, Tolerance};
 use lumiflow::random::{Purpose, Stream};
@@ -65,7 +66,7 @@ fn the_tracer_makes_paths_that_are_what_they_say() {
             });
         }
     }
-    assert!(count > 4000, "{count}");
+    assert!(count > 3000, "{count}");
 }
 
 #[test]
@@ -89,7 +90,7 @@ fn chains_go_to_paths_that_are_what_they_say() {
 
 #[test]
 fn paths_that_are_not_what_they_say_are_found() {
-    let stage = stage_of("smooth glass");
+    let stage = stage_of("mirror hall");
     let space = space(&stage);
     let tolerance = Tolerance::default();
     let mut random = Stream::new(32, Purpose::Check, 0, 0);
@@ -110,8 +111,10 @@ fn paths_that_are_not_what_they_say_are_found() {
         broken(&|p| p.vertices_mut()[2].adjoint *= by);
         broken(&|p| p.vertices_mut()[last].value *= by);
         broken(&|p| p.vertices_mut()[0].event = p.vertices()[1].event);
-        // The first vertex after the glass is then elsewhere.
-        broken(&|p| p.vertices_mut()[last].point.position *= by);
+        broken(&|p| {
+            let normal = &mut p.vertices_mut()[2].point.shading_normal;
+            *normal = (*normal + Vec3::splat(0.02 * by)).normalize();
+        });
     });
     for claim in [
         Claim::Raster,

@@ -13,6 +13,7 @@ mod hidden_emitters;
 mod import;
 mod indifference;
 mod invariance;
+mod kernels;
 mod layering;
 mod meshes;
 mod mitsuba_materials;

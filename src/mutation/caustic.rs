@@ -124,7 +124,7 @@ impl Mutate for CausticPerturbation {
         random: &mut Stream,
     ) -> Result<(), Rejection> {
         let head = head(proposal).ok_or(Rejection::SignatureChanged)?;
-        super::lens_point::perturb(space, settings, proposal, random)?;
+        // Before the lens moves: how far directions turn belongs to the path as it is.
         let angle = match settings.caustic {
             CausticKernel::Logarithmic(kernel) => kernel.angle(random.next_f32()),
             CausticKernel::Pixels {
@@ -132,6 +132,7 @@ impl Mutate for CausticPerturbation {
                 angle_of_pixel,
             } => random.next_f32() * largest_angle(proposal, head, pixels * angle_of_pixel),
         };
+        super::lens_point::perturb(space, settings, proposal, random)?;
         let mut ray = leave_head(space, proposal, head, (angle, random.next_f32()))?;
         for index in (2..head).rev() {
             ray = pass(space, proposal, index, &ray)?;

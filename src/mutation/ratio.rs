@@ -8,7 +8,7 @@ use super::caustic::{head, largest_angle};
 use super::forward::last_moved;
 use super::{AngleKernel, CausticKernel, Mutation, Perturbation};
 use crate::math::Vec3;
-use crate::path::{Coordinates, Event, Generation, Path, PathSpace, luminance};
+use crate::path::{Coordinates, Event, Generation, Path, PathSpace, PathVertex, luminance};
 use crate::sensor::SensorModel;
 
 /// Logarithm of the ratio by the rules of Cline et al.: the tracer's estimates, times the change of
@@ -162,17 +162,31 @@ fn lens_density(space: &PathSpace<'_>, settings: &Perturbation, from: &Path, to:
     f64::from(u8::from(is_inside)) / (std::f64::consts::PI * f64::from(settings.lens).powi(2))
 }
 
-/// Density of a turn from one unit direction to another, in 1/sr.
+/// Density of a turn of the edge between two vertices, in 1/sr, each edge given by its ends.
 ///
-/// Directions that are recovered from positions err a little, which must not take a move out of the
-/// kernel's range.
-fn turn_density(kernel: AngleKernel, before: Vec3, after: Vec3) -> f64 {
-    const SLACK: f64 = 1e-5;
+/// Directions that are recovered from positions are off by as much as positions are, which must not take
+/// a move out of the kernel's range.
+fn turn_density(
+    kernel: AngleKernel,
+    space: &PathSpace<'_>,
+    before: [&PathVertex; 2],
+    after: [&PathVertex; 2],
+) -> Option<f64> {
+    let angle = angle_between(
+        space.edge(before[0], before[1])?.0,
+        space.edge(after[0], after[1])?.0,
+    );
+    let slack: f64 = 1e-5 + direction_error(before) + direction_error(after);
     let (inner, outer) = (f64::from(kernel.inner), f64::from(kernel.outer));
-    let angle = angle_between(before, after);
-    let is_inside = (inner - SLACK..outer + SLACK).contains(&angle);
-    let density = kernel.density(angle.clamp(inner, outer));
-    if is_inside { density } else { 0.0 }
+    let is_inside = (inner - slack..outer + slack).contains(&angle);
+    is_inside.then(|| kernel.density(angle.clamp(inner, outer)))
+}
+
+/// How far the direction of an edge may be off, in radians: rays start off the surface by the error of
+/// its points, and end within it.
+fn direction_error([from, to]: [&PathVertex; 2]) -> f64 {
+    let error = 4.0 * (from.point.error + to.point.error);
+    f64::from(error / from.position().distance(to.position()))
 }
 
 /// The angle between two unit directions, accurate for small ones.
@@ -190,16 +204,19 @@ fn forward_transition(
 ) -> Option<f64> {
     let last = last_moved(from, usize::MAX)?;
     let (old, new) = (from.vertices(), to.vertices());
-    let mut density = settings.raster.density(to.raster() - from.raster());
+    // The offset was rounded when it was added: it may have left the kernel's range.
+    let offset = to.raster() - from.raster();
+    let density_at = |scale: f32| settings.raster.density(offset * scale);
+    let mut density = density_at(1.0 - 1e-5).max(density_at(1.0 + 1e-5));
     density *= space.pixels_per_area(to)?;
     for index in 1..last {
         let per_area = space.solid_angle_per_area(&new[index], &new[index + 1]);
         if new[index].event.is_dirac() {
             density *= per_area;
         } else if mutation == Mutation::MultiChain {
-            let (before, _) = space.edge(&old[index], &old[index + 1])?;
-            let (after, _) = space.edge(&new[index], &new[index + 1])?;
-            density *= turn_density(settings.angle, before, after) * per_area;
+            let before = [&old[index], &old[index + 1]];
+            let after = [&new[index], &new[index + 1]];
+            density *= turn_density(settings.angle, space, before, after)? * per_area;
         }
     }
     Some(density)
@@ -214,18 +231,23 @@ fn caustic_transition(
 ) -> Option<f64> {
     let head_index = head(from)?;
     let (old, new) = (from.vertices(), to.vertices());
-    let (before, _) = space.edge(&old[head_index], &old[head_index - 1])?;
-    let (after, _) = space.edge(&new[head_index], &new[head_index - 1])?;
-    let angle = angle_between(before, after);
+    let before = [&old[head_index], &old[head_index - 1]];
+    let after = [&new[head_index], &new[head_index - 1]];
     let mut density = match settings.caustic {
-        CausticKernel::Logarithmic(kernel) => turn_density(kernel, before, after),
+        CausticKernel::Logarithmic(kernel) => turn_density(kernel, space, before, after)?,
         CausticKernel::Pixels {
             pixels,
             angle_of_pixel,
         } => {
-            let largest = f64::from(largest_angle(from, head_index, pixels * angle_of_pixel));
-            let is_inside = angle <= largest * 1.0001;
-            f64::from(u8::from(is_inside)) / (std::f64::consts::TAU * angle.sin() * largest)
+            let outer = largest_angle(from, head_index, pixels * angle_of_pixel);
+            let angle = angle_between(
+                space.edge(before[0], before[1])?.0,
+                space.edge(after[0], after[1])?.0,
+            );
+            let slack = 1e-5 + direction_error(before) + direction_error(after);
+            let is_inside = angle <= f64::from(outer) + slack;
+            let density = 1.0 / (std::f64::consts::TAU * angle.sin() * f64::from(outer));
+            is_inside.then_some(density)?
         }
     };
     for index in (2..=head_index).rev() {

@@ -61,6 +61,14 @@ struct Corner<'p> {
     to_light: Vec3,
 }
 
+impl Corner<'_> {
+    /// `|n·ω_e| / |n·ω_l|`.
+    fn cosine_ratio(&self, normal: Vec3) -> f64 {
+        let cos = |direction: Vec3| f64::from(normal.dot(direction)).abs();
+        cos(self.to_eye) / cos(self.to_light)
+    }
+}
+
 /// A vertex between sensor and light.
 fn corner<'p>(space: &PathSpace<'_>, path: &'p Path, index: usize) -> Option<Corner<'p>> {
     let vertices = path.vertices();
@@ -80,18 +88,15 @@ impl PathSpace<'_> {
         self.dirac(corner.vertex, corner.vertex.event, wi, Transport::Radiance)
     }
 
-    /// `|n_g·ω_e| |n_s·ω_l| / (|n_g·ω_l| |n_s·ω_e|)` at a vertex: what interpolated and bumpy normals do to
-    /// the importance that passes it. One where true and shaded surface are the same.
+    /// `|n_g·ω_e| |n·ω_l| / (|n_g·ω_l| |n·ω_e|)` at a Dirac vertex, with `n` the normal that the Dirac lobe is
+    /// written around: what interpolated and bumpy normals do to the importance that passes. One where
+    /// that is the true normal.
     ///
     /// Source: Veach 1997, Sec. 5.3.
     pub fn shading_factor(&self, path: &Path, index: usize) -> Option<f64> {
         let corner = corner(self, path, index)?;
-        let ratio = |normal: Vec3| {
-            let cos = |direction: Vec3| f64::from(normal.dot(direction)).abs();
-            cos(corner.to_eye) / cos(corner.to_light)
-        };
-        let point = &corner.vertex.point;
-        Some(ratio(point.geometric_normal) / ratio(point.shading_normal))
+        let lobe = f64::from(self.selection(path, index)?.cosine_ratio);
+        Some(corner.cosine_ratio(corner.vertex.point.geometric_normal) * lobe)
     }
 
     /// Density with which the path tracer samples the direction of a finite vertex to the next, in
@@ -242,7 +247,9 @@ impl PathSpace<'_> {
                 let wi = self.frame(vertex).to_local(corner.to_light);
                 let found = self.dirac(vertex, vertex.event, wi, Transport::Importance)?;
                 value *= found.coefficient.0.as_dvec3();
-                scalar *= self.shading_factor(path, index)?;
+                let point = &vertex.point;
+                scalar *= corner.cosine_ratio(point.geometric_normal);
+                scalar /= corner.cosine_ratio(point.shading_normal);
                 scalar /= f64::from(vertex.geometric_cos(corner.to_eye));
             } else {
                 // The value has the cosine to the shading normal; f_s is it over the true one.

@@ -62,7 +62,8 @@ pub struct Tolerance {
     /// Angle between a Dirac vertex's ray and the edge to the next, times the cosine of that edge: near
     /// total reflection a little changes much. What positions may be off by comes on top.
     pub direction: f32,
-    /// Relative difference of values, against their largest channel.
+    /// Relative difference of values, against their largest channel. What an error of the
+    /// directions makes of them comes on top.
     pub value: f32,
 }
 
@@ -173,23 +174,22 @@ impl Path {
         let (Some((to_eye, _)), Some((to_light, _))) = (edge(index - 1), edge(index + 1)) else {
             return to.push((Claim::Shape, index, f32::INFINITY));
         };
+        let angle = tolerance.direction + self.direction_error(index);
+        let cosines = [to_light, to_eye].map(|way| vertex.geometric_cos(way));
         if !vertex.event.is_dirac() {
             let value = space.finite_value(vertex, to_eye, to_light);
-            let off = difference(value, vertex.value) / tolerance.value;
+            let allowed = tolerance.value + angle / cosines[0].min(cosines[1]);
+            let off = difference(value, vertex.value) / allowed;
             return to.push((Claim::Value, index, off));
         }
         match space.follow(vertex, vertex.event, to_eye) {
             Some(followed) => {
-                let allowed = tolerance.direction + self.direction_error(index);
-                let off = followed.direction.distance(to_light) / allowed;
-                to.push((
-                    Claim::Direction,
-                    index,
-                    off * vertex.geometric_cos(to_light),
-                ));
-                let off = difference(followed.value, vertex.value) / tolerance.value;
+                let off = followed.direction.distance(to_light) * cosines[0] / angle;
+                to.push((Claim::Direction, index, off));
+                let allowed = tolerance.value + angle / cosines[0].min(cosines[1]).powi(2);
+                let off = difference(followed.value, vertex.value) / allowed;
                 to.push((Claim::Value, index, off));
-                let off = (followed.adjoint / vertex.adjoint - 1.0).abs() / tolerance.value;
+                let off = (followed.adjoint / vertex.adjoint - 1.0).abs() / allowed;
                 to.push((Claim::Adjoint, index, off));
             }
             None => to.push((Claim::Direction, index, f32::INFINITY)),

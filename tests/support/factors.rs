@@ -48,8 +48,8 @@ pub(crate) fn factors(space: &PathSpace<'_>, path: &Path) -> Factors {
         of[3] = cos(head, edge(head, head - 1).0).ln();
         let (in_1, first) = edge(1, 2);
         of[4] = cos(1, in_1).ln();
-        for index in 2..head {
-            of[5] += f64::from(vertices[index].adjoint).ln();
+        for (index, vertex) in vertices.iter().enumerate().take(head).skip(2) {
+            of[5] += f64::from(vertex.adjoint).ln();
             of[6] += space.shading_factor(path, index).map_or(0.0, f64::ln);
         }
         let length =

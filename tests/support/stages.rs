@@ -1,13 +1,15 @@
 //! Small scenes in which the paths of every mutation are frequent.
 
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 use lumiflow::bsdf::{
-    Bsdf, Conductor, Dielectric, Diffuse, MicrofacetKind, Plastic, RelativeIor, RoughConductor,
-    Roughness,
+    Bsdf, BumpMap, Conductor, Dielectric, Diffuse, MicrofacetKind, Plastic, RelativeIor,
+    RoughConductor, Roughness,
 };
 use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
-use lumiflow::math::{Mat3, Mat4, Rgb, Vec2, Vec3};
+use lumiflow::image::{self, Texels};
+use lumiflow::math::{Mat3, Mat4, Rgb, Transform, Vec2, Vec3};
 use lumiflow::mutation::{
     AngleKernel, CausticKernel, Fault, Perturbation, RasterDomain, RasterKernel,
 };
@@ -15,7 +17,7 @@ use lumiflow::scene::Scene;
 use lumiflow::sensor::{FieldOfViewAxis, PerspectiveSettings, Sensor, SensorModel, ThinLens};
 use lumiflow::shape::TriangleMesh;
 use lumiflow::shape::mesh::MeshData;
-use lumiflow::texture::Checkerboard;
+use lumiflow::texture::{self, Checkerboard, Filter, Wrap};
 
 use super::scenes::{
     Part, camera, cornell, cornell_camera, cuboid, part, rectangle, scene, sphere,
@@ -193,6 +195,15 @@ pub(crate) fn stages() -> Vec<Stage> {
             "textures",
             [floor(Diffuse::new(squares(6.0))), ball(tinted()), lamp()],
         ),
+        stage(
+            "bumpy glass",
+            [floor(white()), ball(bumpy(glass(1.5))), lamp()],
+        ),
+        stage(
+            "bumpy mirror",
+            [floor(white()), ball(bumpy(mirror())), side_lamp()],
+        ),
+        mirror_hall(),
         open_air(),
         point_and_spot(),
         through_a_lens(),
@@ -209,6 +220,16 @@ pub(crate) fn stage_of(name: &str) -> Stage {
 fn tinted() -> Dielectric {
     let ior = RelativeIor::new(1.5, 1.0).expect("the indices are positive");
     Dielectric::new(ior, squares(4.0), squares(8.0))
+}
+
+/// A material on waves.
+fn bumpy(nested: impl Into<Bsdf>) -> BumpMap {
+    let height = |x: u32, y: u32| (x as f32 * 1.6).sin() * (y as f32 * 1.1).cos();
+    let texels = (0..16).flat_map(|y| (0..16).map(move |x| height(x, y)));
+    let image = image::Bitmap::new(16, 16, 1, Texels::Float(texels.collect()));
+    let image = Arc::new(image.expect("a picture of 16 × 16"));
+    let waves = texture::Bitmap::new(image, Filter::Bilinear, Wrap::Repeat, Mat3::IDENTITY);
+    BumpMap::new(waves, 0.02, true, nested)
 }
 
 /// Two liquids side by side, which meet the air in one plane; the lamp is at their bottom.
@@ -241,7 +262,8 @@ fn tank() -> Stage {
 
 /// Lit by an environment and the sun.
 fn open_air() -> Stage {
-    let aside = sphere(Vec3::new(0.9, 0.4, -0.3), 0.4);
+    // Bodies do not touch: close to a contact rounding decides directions.
+    let aside = sphere(Vec3::new(0.9, 0.5, -0.3), 0.4);
     let parts = [
         floor(Diffuse::new(0.7)),
         ball(glass(1.5)),
@@ -279,26 +301,58 @@ fn point_and_spot() -> Stage {
     }
 }
 
+/// A floor before a mirror, close to the eye; the lamp is a ball.
+fn mirror_hall() -> Stage {
+    let mirror = rectangle(Vec3::new(0.0, 1.0, -1.0), Vec3::X * 2.0, Vec3::Y * 1.0);
+    let ceiling = rectangle(Vec3::Y * 2.0, Vec3::X * 2.0, Vec3::Z * 2.0);
+    let lamp = sphere(Vec3::new(0.1, 0.6, -0.3), 0.3);
+    let parts = [
+        floor(Diffuse::new(0.7)),
+        part(ceiling, Diffuse::new(0.6)),
+        part(mirror, Conductor::new(None, Rgb::new(0.9, 0.8, 0.7))),
+        part(lamp, Diffuse::new(0.0)).glowing(Rgb::new(4.0, 5.0, 6.0)),
+    ];
+    Stage {
+        name: "mirror hall",
+        scene: scene(parts, |_| {}),
+        sensor: camera(
+            Vec3::new(0.9, 0.6, 1.0),
+            Vec3::new(0.0, 0.1, -0.4),
+            90.0,
+            SIDE,
+        ),
+    }
+}
+
 /// Seen through a wide lens.
 fn through_a_lens() -> Stage {
-    let to_world = lumiflow::math::Transform::look_at(
-        Vec3::new(-0.3, 1.6, 2.2).as_dvec3(),
-        Vec3::new(0.0, 0.2, 0.0).as_dvec3(),
-        Some(Vec3::Y.as_dvec3()),
-    );
+    let view = (Vec3::new(-0.3, 1.6, 2.2), Vec3::new(0.0, 0.2, 0.0));
+    let parts = [floor(Diffuse::new(0.7)), ball(glass(1.5)), lamp()];
+    Stage {
+        name: "thin lens",
+        scene: scene(parts, |_| {}),
+        sensor: lens_camera(view, 50.0, 0.3, 2.0),
+    }
+}
+
+/// A camera with a lens.
+pub(crate) fn lens_camera(
+    (from, to): (Vec3, Vec3),
+    degrees: f32,
+    radius: f32,
+    focus: f32,
+) -> Sensor {
+    let up = Some(Vec3::Y.as_dvec3());
+    let to_world = Transform::look_at(from.as_dvec3(), to.as_dvec3(), up);
     let settings = PerspectiveSettings {
         to_world: to_world.expect("the camera looks somewhere").matrix(),
-        field_of_view: 50.0,
+        field_of_view: degrees,
         axis: FieldOfViewAxis::X,
         near: 0.0,
         far: f32::MAX,
         principal_point_offset: Vec2::ZERO,
         film_size: (SIDE, SIDE),
     };
-    let lens = ThinLens::new(settings, 0.3, 2.0);
-    Stage {
-        name: "thin lens",
-        scene: scene([floor(Diffuse::new(0.7)), ball(glass(1.5)), lamp()], |_| {}),
-        sensor: lens.expect("the lens is one").into(),
-    }
+    let lens = ThinLens::new(settings, radius, focus);
+    lens.expect("the lens is one").into()
 }
