@@ -95,32 +95,21 @@ impl Plan {
         if choice.stands_in && wish.integrator.is_none() {
             note_replacement(request, choice.name, &options, notes);
         }
-        let NamedLayers {
-            mut aovs,
-            own_layers,
-            variance,
-        } = named_layers(wish.layers)?;
-        let made = integrator.own_layers();
-        if let Some(name) = own_layers
-            .iter()
-            .find(|name| !made.contains(&name.as_str()))
-        {
-            let message = format!("integrator \"{}\" has no layer \"{name}\"", choice.name);
-            return Err(Failure::Usage(message));
-        }
+        let mut layers = named_layers(wish.layers)?;
+        layers.check(choice.name, &*integrator)?;
         if request.second_moment && !integrator.has_second_moment() {
             let name = choice.name;
             let message = format!("integrator \"{name}\" makes no layer \"moment2\"; left out");
             notes.warn(request.location.as_ref(), message);
         }
-        add_scene_layers(&mut aovs, request, notes);
+        add_scene_layers(&mut layers.aovs, request, notes);
         Ok(Self {
             name: choice.name.to_owned(),
             integrator,
             options,
-            aovs,
-            own_layers,
-            variance,
+            aovs: layers.aovs,
+            own_layers: layers.own_layers,
+            variance: layers.variance,
         })
     }
 }
@@ -215,6 +204,23 @@ struct NamedLayers {
     aovs: Vec<Aov>,
     own_layers: Vec<String>,
     variance: bool,
+}
+
+impl NamedLayers {
+    /// Finds out whether an integrator makes the layers.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for one that it does not make.
+    fn check(&self, name: &str, integrator: &dyn Algorithm) -> Result<(), Failure> {
+        let made = integrator.own_layers();
+        let missing = self.own_layers.iter().find(|l| !made.contains(&l.as_str()));
+        match missing {
+            None => Ok(()),
+            Some(layer) => Err(Failure::Usage(format!(
+                "integrator \"{name}\" has no layer \"{layer}\""
+            ))),
+        }
+    }
 }
 
 /// The layers of a list of names, each once.

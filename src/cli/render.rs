@@ -118,10 +118,7 @@ impl Session<'_> {
         notes.settle()?;
         written?;
         if !args.quiet {
-            say(&record.line());
-            if let Some(lines) = record.mutation_lines(&notes) {
-                say(&lines);
-            }
+            say(&record.lines(&notes));
         }
         if args.json {
             let interrupted = self.interruption.exit_code().is_some();

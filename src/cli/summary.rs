@@ -49,8 +49,17 @@ impl Summary<'_> {
         }
     }
 
-    /// For people.
-    pub(super) fn line(&self) -> String {
+    /// For people: what was rendered, and what became of mutations where there were any.
+    pub(super) fn lines(&self, notes: &Notes) -> String {
+        let mutations = self.mutation_lines(notes);
+        [Some(self.line()), mutations]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join("\n")
+    }
+
+    fn line(&self) -> String {
         let counters = self.rendered.counters;
         let per_second = |count: u64| count as f64 / self.run.wall_seconds.max(1e-9) / 1e6;
         let files: Vec<String> = self.files();
@@ -106,7 +115,7 @@ impl Summary<'_> {
     }
 
     /// What became of the chains' mutations, for people; `None` where there were none.
-    pub(super) fn mutation_lines(&self, notes: &Notes) -> Option<String> {
+    fn mutation_lines(&self, notes: &Notes) -> Option<String> {
         let counters = &self.rendered.counters;
         let text = self.record(notes).mutations_text();
         (!text.is_empty()).then(|| {
