@@ -135,6 +135,9 @@ enum Quantity {
     Power,
 }
 
+/// Directions that show the quadrature where a material scatters.
+const PILOT: u32 = 2000;
+
 /// Share of light from `wi` that leaves in some channels: by quadrature of `eval`, plus the Dirac
 /// coefficients.
 fn scattered<const N: usize>(
@@ -157,9 +160,14 @@ fn scattered<const N: usize>(
     if !bsdf.lobes().finite {
         return channels.map(|channel| f64::from(dirac[channel]));
     }
-    let pilot: Vec<BsdfSample> = (0..2000)
-        .filter_map(|_| {
-            let (u_lobe, u) = numbers(stream);
+    let (shift, shift_lobe) = (stream.next_f32(), stream.next_f32());
+    let pilot: Vec<BsdfSample> = (0..PILOT)
+        .filter_map(|i| {
+            // Evenly spread along each axis: no tail of a lobe may go without a direction.
+            let place = (i as f32 + stream.next_f32()) / PILOT as f32;
+            let golden = |ratio: f32, shift: f32| (i as f32 * ratio + shift).fract();
+            let u = Vec2::new(place.min(1.0 - f32::EPSILON), golden(0.618_034, shift));
+            let u_lobe = golden(0.754_877_7, shift_lobe);
             let sample = bsdf.sample(wi, &at, transport, u_lobe, u)?;
             (!sample.lobe.is_dirac()).then_some(sample)
         })

@@ -183,13 +183,19 @@ fn cut(
     }
 }
 
-/// Cuts a cell into pieces.
+/// Cuts a cell into pieces: until few directions are in each, and those not in a corner of it, where
+/// a lobe much narrower than the piece would lie between the points of the rule.
 fn cut_cell(part: Rectangle, points: &mut [[f64; 2]], depth: u32, pieces: &mut Vec<Rectangle>) {
-    if points.len() <= UNEVEN || depth == MOST_CUTS {
+    if points.len() < 2 || depth == MOST_CUTS {
         pieces.push(part);
         return;
     }
     let (axis, middle) = best_cut(part, points, depth);
+    let on_one_side = middle == 0 || middle == points.len();
+    if points.len() <= UNEVEN && !on_one_side {
+        pieces.push(part);
+        return;
+    }
     let (left, right) = points.split_at_mut(middle);
     let [low, high] = part.halves(axis);
     cut_cell(low, left, depth + 1, pieces);

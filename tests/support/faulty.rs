@@ -17,7 +17,7 @@ pub(crate) enum Fault {
     Energy,
     /// Radiance is scattered as importance is: the change with the index is left out.
     EtaSquared,
-    /// `follow` gives probabilities 5 % too small.
+    /// `follow` gives probabilities 10 % too small.
     Selection,
 }
 
@@ -93,7 +93,7 @@ impl BsdfModel for Faulty {
         let transport = self.transport(transport);
         let mut event = self.bsdf.follow(wi, at, transport, component)?;
         event.coefficient *= self.scale();
-        event.probability *= if self.is(Fault::Selection) { 0.95 } else { 1.0 };
+        event.probability *= if self.is(Fault::Selection) { 0.9 } else { 1.0 };
         Some(event)
     }
 

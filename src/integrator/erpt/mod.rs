@@ -23,9 +23,9 @@ pub(super) const OWN_LAYERS: &[&str] = &["proposals", "acceptance", "chains"];
 
 /// Mutations for each camera sample, where no number is given.
 ///
-/// Few: where paths of high energy are rare, finding them is what counts. It is about what the paper
-/// uses, 200 mutations a pixel at 36 samples; `docs/erpt.md` has a study.
-const MUTATIONS_PER_SAMPLE: f64 = 5.0;
+/// Few: where paths of high energy are rare, finding them is what counts. It is less than what the paper
+/// uses, 5.6 (200 mutations a pixel at 36 samples); `docs/erpt.md` has a study.
+const MUTATIONS_PER_SAMPLE: f64 = 3.0;
 
 /// Path tracing finds paths; chains of mutations spread their energy over the image.
 ///
