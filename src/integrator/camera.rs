@@ -106,8 +106,7 @@ pub(super) fn pixel_index(settings: &PixelSettings, x: i32, y: i32) -> u32 {
 /// Place of a camera sample in its pixel.
 ///
 /// A filter that spreads samples over several pixels sees one grid a pass, moved as a whole: the
-/// weights that a pixel collects then add up to one in every pass for filters whose shifted
-/// copies do (tent, Mitchell), and very nearly for the others, so that flat areas have no grain.
+/// weights that a pixel collects then add up to one in every pass, so that flat areas have no grain.
 #[inline]
 fn offset_in_pixel(
     settings: &PixelSettings,
