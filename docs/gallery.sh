@@ -41,6 +41,7 @@ trace() {
     integrator=$2
     passes=$3
     shift 3
+    [ "$integrator" != erpt ] || set -- --set mutations_per_sample=5 "$@"
     seconds=$("$lumiflow" render "scenes/$scene/scene.xml" -i "$integrator" --passes "$passes" \
         --size "$size" "$@" --quiet --json -o "$out/$name.exr" | sed 's/.*"cpu_s":\([0-9]*\.[0-9]\).*/\1/')
     echo "$name: -i $integrator --passes $passes --size $size $*: $seconds CPU seconds"
@@ -115,6 +116,7 @@ if scene flow-rules 280x210; then
         measure flow-rules-$rule
     done
     show flow-rules-proposals flow-rules-equal --layer proposals --exposure -5
+    show flow-rules-expected flow-rules-equal --layer expected_proposals --exposure -5
     show flow-rules-unfiltered flow-rules-equal
     filtered flow-rules-filtered flow-rules-equal
 fi

@@ -133,7 +133,7 @@ pub(super) struct RenderArgs {
     pub(super) filter: Option<FilterName>,
 
     /// Further layers of the EXR file, with commas between: albedo, sh_normal, geo_normal, depth,
-    /// position, uv, and variance (of the pixels' means)
+    /// position, uv; variance (of the pixels' means); proposals, acceptance, chains (of erpt)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) aov: Vec<String>,
 

@@ -62,7 +62,7 @@ fn variance_layer(layer: &Layer, sums: &Accumulator) -> Option<(Layer, Vec<f32>)
 fn needs_float(layer: &Layer) -> bool {
     matches!(
         layer.name.as_str(),
-        "depth" | "position" | "uv" | "moment2" | "proposals" | "chains"
+        "depth" | "position" | "uv" | "moment2" | "proposals" | "expected_proposals" | "chains"
     )
 }
 

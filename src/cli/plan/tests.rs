@@ -173,7 +173,7 @@ fn names_in_arguments_are_checked_first() {
     assert_eq!(
         message(&["--aov", "uv,albdo"]),
         "unknown layer \"albdo\" (did you mean \"albedo\"?); there are albedo, sh_normal, \
-         geo_normal, depth, position, uv, variance"
+         geo_normal, depth, position, uv, proposals, acceptance, chains, variance"
     );
     check_names(&Words::new(&["-i", "direct", "--aov", "uv"]).wish()).unwrap();
 }

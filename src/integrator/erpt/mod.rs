@@ -131,8 +131,8 @@ fn flow(options: &mut OptionReader<'_>) -> Result<Flow, OptionError> {
     let names = ["equal", "detailed", "iterated"];
     let name = options.choice("flow", &names, "equal")?;
     let expected = options.boolean("expected_values", true)?;
-    let proposals = options.integer("flow_proposals", 1..=64, 1)? as u32;
-    let depth = options.integer("flow_depth", 1..=24, 8)? as u32;
+    let proposals = options.integer("flow_proposals", 1..=64, 2)? as u32;
+    let depth = options.integer("flow_depth", 1..=24, 5)? as u32;
     Ok(match name.as_str() {
         "detailed" => Flow::DetailedBalance,
         "iterated" => Flow::Iterated { proposals, depth },

@@ -67,7 +67,7 @@ impl NoiseFilter {
     }
 
     /// Makes the filtered layer: what the chains have left there, times the expected over the actual
-    /// number of proposals, and the direct light.
+    /// number of proposals, and the direct light; and the layer of the expected numbers.
     pub(super) fn resolve(&self, places: &Places, window: Window, means: &mut [Vec<f32>]) {
         let Some(place) = places.filtered else { return };
         let mut filtered = std::mem::take(&mut means[place]);
@@ -81,6 +81,9 @@ impl NoiseFilter {
                     let factor = wanted / count;
                     pixel.iter_mut().for_each(|channel| *channel *= factor);
                 }
+            }
+            if let Some(place) = places.expected {
+                means[place] = wanted;
             }
         }
         if let Some(direct) = places.direct {

@@ -24,6 +24,7 @@ pub(super) struct Places {
     pub(super) redistributed: usize,
     pub(super) filtered: Option<usize>,
     pub(super) proposals: Option<usize>,
+    pub(super) expected: Option<usize>,
     pub(super) acceptance: Option<usize>,
     pub(super) chains: Option<usize>,
     first_aov: usize,
@@ -239,6 +240,10 @@ fn layers(erpt: &Erpt, settings: &PixelSettings) -> (Vec<Layer>, Places) {
         redistributed: push("redistributed", "RGB"),
         filtered: erpt.noise_filter.is_on().then(|| push("filtered", "RGB")),
         proposals: needs_proposals.then(|| push("proposals", "Y")),
+        expected: erpt
+            .noise_filter
+            .needs_proposals()
+            .then(|| push("expected_proposals", "Y")),
         acceptance: acceptance.then(|| push("acceptance", "Y")),
         chains: is_wanted("chains").then(|| push("chains", "Y")),
         first_aov: 0,
@@ -263,6 +268,7 @@ impl Integrator for ErptRender<'_> {
         let mut units = vec![self.unit; self.places.first_aov];
         for place in [
             self.places.proposals,
+            self.places.expected,
             self.places.acceptance,
             self.places.chains,
         ]
