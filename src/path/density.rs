@@ -84,7 +84,7 @@ impl PathSpace<'_> {
     /// The Dirac event at a vertex as the path tracer meets it; `None` at finite vertices.
     pub fn selection(&self, path: &Path, index: usize) -> Option<DiracEvent> {
         let corner = corner(self, path, index)?;
-        let wi = self.frame(corner.vertex).to_local(corner.to_eye);
+        let wi = corner.vertex.point.shading_frame().to_local(corner.to_eye);
         self.dirac(corner.vertex, corner.vertex.event, wi, Transport::Radiance)
     }
 
@@ -106,7 +106,7 @@ impl PathSpace<'_> {
             return Some(f64::from(self.selection(path, index)?.probability));
         }
         let corner = corner(self, path, index)?;
-        let frame = self.frame(corner.vertex);
+        let frame = corner.vertex.point.shading_frame();
         let (wi, wo) = (
             frame.to_local(corner.to_eye),
             frame.to_local(corner.to_light),
@@ -244,7 +244,7 @@ impl PathSpace<'_> {
             let vertex = corner.vertex;
             scalar *= self.geometry_term(vertex, &vertices[index + 1])?;
             if backward.contains(&index) {
-                let wi = self.frame(vertex).to_local(corner.to_light);
+                let wi = vertex.point.shading_frame().to_local(corner.to_light);
                 let found = self.dirac(vertex, vertex.event, wi, Transport::Importance)?;
                 value *= found.coefficient.0.as_dvec3();
                 let point = &vertex.point;

@@ -6,7 +6,7 @@ use super::{Event, PathVertex, VertexKind};
 use crate::accel::Ray;
 use crate::bsdf::{Bsdf, BsdfModel, DiracEvent, Transport};
 use crate::emitter::{EmitterClass, EmitterModel};
-use crate::math::{Frame, Local, Rgb, Vec2, Vec3};
+use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::scene::{Interaction, Scene};
 use crate::sensor::{Sensor, SensorModel};
 
@@ -276,21 +276,23 @@ impl<'s> PathSpace<'s> {
     #[inline]
     fn sides_agree(&self, vertex: &PathVertex, a: (Local, Vec3), b: (Local, Vec3)) -> bool {
         let normal = vertex.point.geometric_normal;
-        let agrees = |(local, world): (Local, Vec3)| normal.dot(world) * local.cos() > 0.0;
-        !self.rules.strict_normals || (agrees(a) && agrees(b))
+        !self.rules.strict_normals || (is_same_side(normal, a) && is_same_side(normal, b))
     }
 
-    /// The frame and the eye's direction at a surface.
+    /// [`PathSpace::sides_agree`] at a surface that a ray has just met.
+    ///
+    /// - `local`, `world`: the other direction, in both frames.
     #[inline]
     pub(super) fn strict_agrees(&self, met: &Interaction<'_>, local: Local, world: Vec3) -> bool {
         let normal = met.point.geometric_normal;
         !self.rules.strict_normals
-            || (normal.dot(met.back) * met.wi.cos() > 0.0 && normal.dot(world) * local.cos() > 0.0)
+            || (is_same_side(normal, (met.wi, met.back)) && is_same_side(normal, (local, world)))
     }
+}
 
-    /// The frame that the material at a vertex writes its directions in.
-    #[inline]
-    pub fn frame(&self, vertex: &PathVertex) -> Frame {
-        vertex.point.shading_frame()
-    }
+/// True when a direction, given in both frames, lies on the same side of the true and of the shaded
+/// surface.
+#[inline]
+fn is_same_side(normal: Vec3, (local, world): (Local, Vec3)) -> bool {
+    normal.dot(world) * local.cos() > 0.0
 }

@@ -3,7 +3,7 @@
 use super::{Event, Heuristic, Path, PathSpace, PathVertex, luminance};
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, Transport};
-use crate::emitter::{EmitterClass, EmitterModel};
+use crate::emitter::{EmitterClass, EmitterModel, EmitterSample};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::random::Sampler;
 use crate::scene::{EmitterId, Interaction};
@@ -290,11 +290,7 @@ impl PathTracing {
 }
 
 /// The last vertex of a path to a sampled point of an emitter, with what it sends.
-fn light_vertex(
-    space: &PathSpace<'_>,
-    sample: &crate::emitter::EmitterSample,
-    emitter: EmitterId,
-) -> PathVertex {
+fn light_vertex(space: &PathSpace<'_>, sample: &EmitterSample, emitter: EmitterId) -> PathVertex {
     let class = space.scene.lights().get(emitter).class();
     let mut last = PathVertex::sampled_light(sample, emitter, class);
     if class == EmitterClass::Point {

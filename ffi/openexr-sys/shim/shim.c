@@ -17,6 +17,8 @@ _Static_assert(sizeof(exr_result_t) == 4, "result codes are 32-bit");
 typedef struct {
     exr_encode_pipeline_t pipeline;
     unsigned char spare[SPARE_BYTES];
+    /* The library's own routine. */
+    exr_result_t (*compress)(exr_encode_pipeline_t *);
 } encoder;
 
 typedef struct {
@@ -110,9 +112,25 @@ static exr_result_t attach(exr_coding_channel_info_t *channel, const openexr_shi
     return EXR_ERR_SUCCESS;
 }
 
+/* Compresses a chunk, or leaves it as it is where that does not make it shorter.
+ *
+ * Readers take a chunk that is as long as its samples for one that is not compressed. OpenEXR 3.1.5
+ * leaves only those alone that would grow: one that comes out even would be read as garbage. */
+static exr_result_t compress_if_shorter(exr_encode_pipeline_t *pipeline) {
+    const encoder *self = (const encoder *)pipeline;
+    const exr_result_t result = self->compress(pipeline);
+    if (result == EXR_ERR_SUCCESS && pipeline->compressed_bytes >= pipeline->packed_bytes &&
+        pipeline->compressed_buffer != pipeline->packed_buffer) {
+        if (pipeline->compressed_alloc_size < pipeline->packed_bytes) return EXR_ERR_OUT_OF_MEMORY;
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+        pipeline->compressed_bytes = pipeline->packed_bytes;
+    }
+    return result;
+}
+
 exr_result_t openexr_shim_encode_scanlines(exr_context_t context, int32_t y,
                                            const openexr_shim_plane *planes, int32_t plane_count) {
-    encoder encoder = {EXR_ENCODE_PIPELINE_INITIALIZER, {0}};
+    encoder encoder = {EXR_ENCODE_PIPELINE_INITIALIZER, {0}, NULL};
     exr_encode_pipeline_t *pipeline = &encoder.pipeline;
     exr_chunk_info_t chunk;
     memset(&chunk, 0, sizeof chunk);
@@ -126,6 +144,10 @@ exr_result_t openexr_shim_encode_scanlines(exr_context_t context, int32_t y,
     }
     if (result == EXR_ERR_SUCCESS)
         result = exr_encoding_choose_default_routines(context, 0, pipeline);
+    if (result == EXR_ERR_SUCCESS && pipeline->compress_fn) {
+        encoder.compress = pipeline->compress_fn;
+        pipeline->compress_fn = compress_if_shorter;
+    }
     if (result == EXR_ERR_SUCCESS) result = exr_encoding_run(context, 0, pipeline);
     const exr_result_t closed = exr_encoding_destroy(context, pipeline);
     return result != EXR_ERR_SUCCESS ? result : closed;

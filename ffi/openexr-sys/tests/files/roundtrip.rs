@@ -56,6 +56,51 @@ fn seven_channels_come_back_bit_for_bit() {
     }
 }
 
+/// A chunk that compresses to exactly its own size must not be taken for one that was not compressed.
+///
+/// One chunk of noise is as long as another but for a few bytes: among many, some come out even.
+#[test]
+fn chunks_that_do_not_shrink_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("noise.exr");
+    let mut state = 1_u32;
+    let mut noise = |channel: &Channel<'_>| {
+        state = state.wrapping_mul(0x0019_660d).wrapping_add(0x3c6e_f35f);
+        let mixed = (state ^ (state >> 15)).wrapping_mul(0x2c1b_3c6d);
+        let mixed = mixed ^ (mixed >> 13);
+        match channel.precision {
+            // Between 1 and 2: seven bits of the exponent never change.
+            Precision::Float => f32::from_bits(0x3f00_0000 | (mixed & 0x00ff_ffff)),
+            Precision::Half => 1.0 + (mixed >> 22) as f32 / 1024.0,
+        }
+    };
+    for width in 16..96 {
+        let blank = vec![vec![0.0]; CHANNELS.len()];
+        let mut images = Vec::new();
+        for channel in &as_channels(&blank) {
+            let count = width as usize * 16;
+            images.push((0..count).map(|_| noise(channel)).collect::<Vec<f32>>());
+        }
+        for compression in LOSSLESS {
+            write_to(
+                &path,
+                &layout(width, 16, compression),
+                &as_channels(&images),
+            )
+            .unwrap();
+            let reader = Reader::new(File::open(&path).unwrap()).unwrap();
+            let read = reader.read_channels(&CHANNELS.map(|(name, _)| name));
+            for (image, original) in read.unwrap().iter().zip(&images) {
+                assert_eq!(
+                    bits(image),
+                    bits(original),
+                    "{compression:?}, width {width}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn lossy_compressions_stay_close_or_say_no() {
     let folder = tempfile::tempdir().unwrap();
