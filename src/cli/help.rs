@@ -98,11 +98,11 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "luminance_samples",
-        "camera samples of that estimate; 0 takes four a pixel (Mitsuba: luminanceSamples)",
+        "camera samples to estimate deposition_energy from; 0 takes four a pixel (Mitsuba: luminanceSamples)",
     ),
     (
         "max_chains",
-        "most chains of one path; beyond, deposits grow (Mitsuba: maxChains)",
+        "most chains of one path; beyond, deposits grow; 0 is the default (Mitsuba: maxChains)",
     ),
     (
         "flow",
@@ -126,7 +126,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "direct_samples",
-        "further samples a pixel and pass for that layer (Mitsuba: directSamples; -1: none)",
+        "further samples a pixel and pass for the layer direct (Mitsuba: directSamples; -1: no such layer)",
     ),
     (
         "mutation_choice",
@@ -134,19 +134,19 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "lens_perturbation",
-        "move paths on the image (Mitsuba: lensPerturbation)",
+        "mutation: move paths on the image (Mitsuba: lensPerturbation)",
     ),
     (
         "multi_chain_perturbation",
-        "and turn directions before mirrors and glass (Mitsuba: multiChainPerturbation)",
+        "mutation: move, and turn directions before mirrors and glass (Mitsuba: multiChainPerturbation)",
     ),
     (
         "lai_lens_perturbation",
-        "and keep what is hit first behind a diffuse surface",
+        "mutation: move, and keep the mirror or glass behind a diffuse surface",
     ),
     (
         "caustic_perturbation",
-        "turn light before it reaches what is seen (Mitsuba: causticPerturbation)",
+        "mutation: turn light before it reaches what is seen (Mitsuba: causticPerturbation)",
     ),
     ("lens_weight", "weight of the mutation where several apply"),
     (
@@ -186,7 +186,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "proposal_filter_size",
-        "side of its neighbourhood in pixels",
+        "side of proposal_filter's neighbourhood in pixels, odd",
     ),
     (
         "consecutive_limit",
@@ -202,7 +202,7 @@ pub(super) fn integrators() -> String {
         for (option, default) in defaults(name) {
             let meaning = OPTIONS.iter().find(|(known, _)| *known == option);
             let meaning = meaning.map_or("", |(_, meaning)| meaning);
-            let _ = writeln!(text, "    {:<24} {meaning}", format!("{option}={default}"));
+            let _ = writeln!(text, "    {:<31} {meaning}", format!("{option}={default}"));
         }
     }
     let _ = write!(text, "\n{RENDER_EXAMPLES}");

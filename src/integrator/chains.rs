@@ -27,23 +27,26 @@ impl MutationOptions {
     pub(super) fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
         let shape = options.choice("lens_shape", &["square", "disk", "log"], "square")?;
         let size = options.float("lens_size", 1e-3..=1e5, 9.0)? as f32;
-        let smallest = options.float("lens_smallest", 1e-3..=1e5, 0.1)? as f32;
+        let smallest = options.float("lens_smallest", 1e-4..=1e5, 0.1)? as f32;
+        if shape == "log" && smallest >= size {
+            return Err(options.refused("lens_smallest", "less than lens_size"));
+        }
         let raster = match shape.as_str() {
             "disk" => RasterKernel::Disk { radius: size },
             "log" => RasterKernel::Logarithmic {
-                inner: smallest.min(size),
+                inner: smallest,
                 outer: size,
             },
             _ => RasterKernel::Square { side: size },
         };
         let outer = options.float("angle_largest", 1e-6..=std::f64::consts::PI, 0.1)? as f32;
         let inner = options.float("angle_smallest", 1e-7..=std::f64::consts::PI, 1e-4)? as f32;
+        if inner >= outer {
+            return Err(options.refused("angle_smallest", "less than angle_largest"));
+        }
         Ok(Self {
             raster,
-            angle: AngleKernel {
-                inner: inner.min(0.999 * outer),
-                outer,
-            },
+            angle: AngleKernel { inner, outer },
             caustic_pixels: options.float("caustic_pixels", 0.0..=1e5, 0.0)? as f32,
             lens: options.float("lens_aperture", 0.0..=2.0, 0.25)? as f32,
             choice: choice(options)?,

@@ -133,8 +133,18 @@ impl<'o> OptionReader<'o> {
             (low, high) => format!("a number from {low} to {high}"),
         };
         number
-            .filter(|number| range.contains(number))
+            .filter(|number| number.is_finite() && range.contains(number))
             .ok_or_else(|| wrong(name, &value, expected()))
+    }
+
+    /// The error for an option that was read, but whose value will not do.
+    pub fn refused(&self, name: &str, expected: &str) -> OptionError {
+        let found = self.used.get(name).map(ToString::to_string);
+        OptionError::Value {
+            name: name.to_owned(),
+            found: found.unwrap_or_default(),
+            expected: expected.to_owned(),
+        }
     }
 
     /// `true` or `false`.

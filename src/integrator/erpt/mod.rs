@@ -86,7 +86,7 @@ impl Erpt {
                 MUTATIONS_PER_SAMPLE
             },
         )?;
-        let deposition_energy = options.float("deposition_energy", 0.0..=f64::MAX, 0.0)?;
+        let deposition_energy = options.float("deposition_energy", 0.0..=f64::INFINITY, 0.0)?;
         let luminance_samples = options.integer("luminance_samples", 0..=1 << 28, 0)?;
         let cap = options.integer("max_chains", 0..=1 << 24, 1000)?;
         Ok(Self {

@@ -43,10 +43,13 @@ impl NoiseFilter {
             _ => None,
         };
         let size = options.integer("proposal_filter_size", 1..=101, 7)? as u32;
+        if size % 2 == 0 {
+            return Err(options.refused("proposal_filter_size", "an odd number"));
+        }
         let consecutive = options.integer("consecutive_limit", 0..=1 << 20, 0)? as u32;
         Ok(Self {
             expected,
-            size: size | 1,
+            size,
             consecutive,
         })
     }
