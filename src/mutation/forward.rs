@@ -38,6 +38,15 @@ pub(super) fn last_moved(path: &Path, mut passes: usize) -> Option<usize> {
     Some(path.edges())
 }
 
+/// Index of the last vertex that changes, where a finite vertex with a specular one behind it is passed;
+/// `None` for paths that the lens perturbation alone rebuilds.
+pub(super) fn last_changed_behind_finite(path: &Path) -> Option<usize> {
+    if last_moved(path, 0).is_some() {
+        return None;
+    }
+    Some((last_moved(path, usize::MAX)? + 1).min(path.edges()))
+}
+
 /// Rebuilds vertices 1 to `last` of a proposal, which is a copy of the current path, from a moved
 /// raster position and lens point on, and connects the last one to what follows.
 ///

@@ -1,6 +1,8 @@
 //! Lai's lens perturbation.
 
-use super::forward::{Redirect, connection_factor, last_moved, rebuild};
+use super::forward::{
+    Redirect, connection_factor, last_changed_behind_finite, last_moved, rebuild,
+};
 use super::{Fault, Mutate, Perturbation, Rejection};
 use crate::path::{Event, Path, PathSpace};
 use crate::random::Stream;
@@ -15,10 +17,7 @@ pub struct LaiLensPerturbation;
 impl Mutate for LaiLensPerturbation {
     #[inline]
     fn last_changed(&self, path: &Path) -> Option<usize> {
-        let is_lens = last_moved(path, 0).is_some();
-        (!is_lens)
-            .then(|| last_moved(path, usize::MAX))?
-            .map(|last| (last + 1).min(path.edges()))
+        last_changed_behind_finite(path)
     }
 
     /// The coordinates are the positions of the vertices that stay: every direction to one brings the

@@ -1,6 +1,8 @@
 //! The multi-chain perturbation.
 
-use super::forward::{Redirect, connection_factor, last_moved, rebuild};
+use super::forward::{
+    Redirect, connection_factor, last_changed_behind_finite, last_moved, rebuild,
+};
 use super::{Mutate, Perturbation, Rejection};
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
@@ -18,10 +20,7 @@ pub struct MultiChainPerturbation;
 impl Mutate for MultiChainPerturbation {
     #[inline]
     fn last_changed(&self, path: &Path) -> Option<usize> {
-        let is_lens = last_moved(path, 0).is_some();
-        (!is_lens)
-            .then(|| last_moved(path, usize::MAX))?
-            .map(|last| (last + 1).min(path.edges()))
+        last_changed_behind_finite(path)
     }
 
     /// `f_s · |cos θ_o|` at each turned direction is in the vertices' values.
