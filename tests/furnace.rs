@@ -2,8 +2,9 @@
 //! the same everywhere, and bodies that lose no light cannot be seen.
 
 use lumiflow::bsdf::{
-    Bsdf, BsdfModel, Conductor, Dielectric, Diffuse, Mask, MicrofacetKind, Null, Plastic,
-    RelativeIor, RoughConductor, RoughDielectric, Roughness, ThinDielectric, TwoSided,
+    Bsdf, BsdfModel, Conductor, Dielectric, Diffuse, DiffuseTransmitter, Mask, MicrofacetKind,
+    Mixture, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric, Roughness,
+    ThinDielectric, TwoSided,
 };
 use lumiflow::emitter::Constant;
 use lumiflow::math::{Mat4, Rgb, Vec3};
@@ -203,6 +204,8 @@ fn lossless() -> (Vec<Bsdf>, Vec<Bsdf>) {
         Null.into(),
         Mask::new(0.5, white).into(),
         Mask::new(Rgb::new(0.9, 0.5, 0.2), Null).into(),
+        DiffuseTransmitter::new(1.0).into(),
+        Mixture::blend(0.3, DiffuseTransmitter::new(1.0), Null).into(),
     ];
     (closed, thin)
 }

@@ -3,6 +3,8 @@
 //! Provenance of the numbers: Mitsuba 3.9.1, variant `scalar_rgb`, `BSDF.eval` and `BSDF.sample`
 //! with `TransportMode.Radiance`; for Diracs weight times probability.
 
+mod composed;
+
 use std::sync::Arc;
 
 use lumiflow::bsdf::{

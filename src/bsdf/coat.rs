@@ -11,19 +11,16 @@ pub(super) struct CoatedBase {
     pub(super) specular_reflectance: Texture,
     diffuse_reflectance: Texture,
     nonlinear: bool,
-    internal_reflectance: f32,
     /// Mean tint of the coat over the sum of both means.
     specular_preference: f32,
 }
 
 impl CoatedBase {
-    /// Makes the base; `internal_reflectance` is what the coat reflects of the base's own light.
     pub(super) fn new(
         ior: RelativeIor,
         specular_reflectance: Texture,
         diffuse_reflectance: Texture,
         nonlinear: bool,
-        internal_reflectance: f32,
     ) -> Self {
         let specular = specular_reflectance.mean().mean();
         let sum = specular + diffuse_reflectance.mean().mean();
@@ -32,7 +29,6 @@ impl CoatedBase {
             specular_reflectance,
             diffuse_reflectance,
             nonlinear,
-            internal_reflectance,
             specular_preference: if sum > 0.0 { specular / sum } else { 0.5 },
         }
     }
@@ -45,13 +41,15 @@ impl CoatedBase {
     ///
     /// Each round trip multiplies by `ρ·R`; nonlinear sums `Σ(ρR)ⁿ`, linear keeps the colour of one
     /// reflection and sums `ΣRⁿ`.
+    ///
+    /// - `inner_reflectance`: `R`, what the coat reflects of the base's own light.
     #[inline]
-    pub(super) fn base(&self, uv: Vec2) -> Rgb {
+    pub(super) fn base(&self, uv: Vec2, inner_reflectance: f32) -> Rgb {
         let reflectance = self.diffuse_reflectance.colour(uv);
         let returned = if self.nonlinear {
-            reflectance * self.internal_reflectance
+            reflectance * inner_reflectance
         } else {
-            Rgb::grey(self.internal_reflectance)
+            Rgb::grey(inner_reflectance)
         };
         let inverse = self.ior.inverse();
         reflectance / (Rgb::WHITE - returned) * (inverse * inverse)
@@ -68,11 +66,11 @@ impl CoatedBase {
     }
 
     /// Mean over all directions of what base and coat reflect, for a smooth coat.
-    pub(super) fn albedo(&self, uv: Vec2) -> Rgb {
+    pub(super) fn albedo(&self, uv: Vec2, inner_reflectance: f32) -> Rgb {
         let reflected = self.ior.diffuse_reflectance();
         let eta = self.ior.ratio();
         // What diffuse light leaves of the base: in (1 − R), and out η² (1 − R_int) = 1 − R.
-        let passed = (1.0 - reflected) * (1.0 - self.internal_reflectance) * eta * eta;
-        self.specular_reflectance.colour(uv) * reflected + self.base(uv) * passed
+        let passed = (1.0 - reflected) * (1.0 - inner_reflectance) * eta * eta;
+        self.specular_reflectance.colour(uv) * reflected + self.base(uv, inner_reflectance) * passed
     }
 }

@@ -80,6 +80,12 @@ impl Microfacets {
         }
     }
 
+    /// Roughness along tangent and bitangent.
+    #[inline]
+    pub fn alpha(&self) -> Vec2 {
+        self.alpha
+    }
+
     /// Area of mirrors with normal `m`, per solid angle and area of the surface, in 1/sr.
     ///
     /// Source: Walter 2007; with two roughnesses Heitz 2014.

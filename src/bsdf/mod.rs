@@ -14,43 +14,72 @@
 //! A new model is a file, a line in `bsdf_models!` and an arm in the importer. The tests pick it up
 //! from its [`BsdfModel::examples`].
 
+mod bent;
 mod bump_map;
+mod clearcoat;
 mod coat;
+mod coating;
 mod conductor;
 mod conductor_presets;
 mod dielectric;
 mod diffuse;
+mod diffuse_transmitter;
+mod disney;
 mod error;
+mod event;
 mod fresnel;
 mod ior_presets;
 mod mask;
+mod matt;
 mod microfacet;
+mod mixture;
+mod normal_map;
 mod null;
+mod phong;
 mod plastic;
+mod principled;
+mod principled_thin;
 mod quadrature;
+mod rough_coat;
+mod rough_coating;
 mod rough_conductor;
 mod rough_dielectric;
+mod rough_diffuse;
 mod rough_plastic;
 mod thin_dielectric;
 mod two_sided;
+mod varnish;
+mod ward;
 
-pub use bump_map::BumpMap;
+pub use bent::{Bent, Lean};
+pub use bump_map::{BumpMap, Heights};
+pub use coating::Coating;
 pub use conductor::Conductor;
 pub use conductor_presets::{conductor, conductor_names};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use diffuse_transmitter::DiffuseTransmitter;
 pub use error::BsdfError;
+pub use event::{BsdfSample, Component, DiracEvent, Lobe, LobeSet};
 pub use fresnel::{ComplexIor, Refraction, RelativeIor};
 pub use ior_presets::{ior, ior_names};
 pub use mask::Mask;
 pub use microfacet::{MicrofacetKind, Microfacets, Roughness};
+pub use mixture::Mixture;
+pub use normal_map::{NormalMap, Normals};
 pub use null::Null;
+pub use phong::Phong;
 pub use plastic::Plastic;
+pub use principled::{Principled, PrincipledParameters};
+pub use principled_thin::{PrincipledThin, PrincipledThinParameters};
+pub use rough_coating::RoughCoating;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
+pub use rough_diffuse::RoughDiffuse;
 pub use rough_plastic::RoughPlastic;
 pub use thin_dielectric::ThinDielectric;
 pub use two_sided::TwoSided;
+pub use ward::{Ward, WardKind};
 
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -62,140 +91,6 @@ pub enum Transport {
     Radiance,
     /// Importance: the path was started at a light.
     Importance,
-}
-
-/// The kind of a scattering event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lobe {
-    /// Spread over the hemisphere.
-    Diffuse,
-    /// Concentrated, but with a density.
-    Glossy,
-    /// A Dirac: one direction only.
-    Specular,
-    /// A Dirac straight through, as if there were no surface.
-    Null,
-}
-
-impl Lobe {
-    /// True for lobes without a density.
-    #[inline]
-    pub fn is_dirac(self) -> bool {
-        matches!(self, Self::Specular | Self::Null)
-    }
-}
-
-/// Which lobes a model can have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LobeSet {
-    /// Some lobe has a density: connecting to this surface makes sense.
-    pub finite: bool,
-    /// Some lobe is a Dirac.
-    pub dirac: bool,
-    /// Some lobe goes to the other side.
-    pub transmission: bool,
-    /// There is one lobe only, so that [`BsdfModel::sample`] makes no use of `u_lobe`.
-    pub single: bool,
-}
-
-impl LobeSet {
-    /// All lobes of either.
-    pub fn union(self, other: Self) -> Self {
-        Self {
-            finite: self.finite || other.finite,
-            dirac: self.dirac || other.dirac,
-            transmission: self.transmission || other.transmission,
-            single: self.single && other.single,
-        }
-    }
-}
-
-/// Index of a Dirac component among those of one model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Component(pub u8);
-
-/// A scattering event that was sampled.
-#[derive(Clone, Copy, Debug)]
-pub struct BsdfSample {
-    /// The sampled direction `wo`.
-    pub direction: Local,
-    /// `value / density`: what the path's throughput is multiplied by.
-    pub weight: Rgb,
-    /// For finite lobes: [`BsdfModel::eval`] at the direction. For Dirac lobes: the coefficient.
-    pub value: Rgb,
-    /// For finite lobes: density in 1/sr. For Dirac lobes: the probability of selecting the lobe.
-    pub density: f32,
-    /// Kind of the sampled lobe.
-    pub lobe: Lobe,
-    /// Which Dirac component; zero for finite lobes.
-    pub component: Component,
-    /// Index of refraction on `wi`'s side over that on `wo`'s side; 1 unless refracted.
-    ///
-    /// Radiance that comes back along the path is multiplied by its square, importance is not.
-    /// That is no loss of energy, and Russian roulette must not take it for one.
-    pub eta: f32,
-}
-
-impl BsdfSample {
-    /// Makes the sample of a finite lobe; `None` when the direction cannot be sampled.
-    #[inline]
-    fn finite(
-        direction: Local,
-        value: Rgb,
-        density: SolidAngleDensity,
-        lobe: Lobe,
-    ) -> Option<Self> {
-        (density.0 > 0.0 && density.0.is_finite()).then(|| Self {
-            direction,
-            weight: value / density.0,
-            value,
-            density: density.0,
-            lobe,
-            component: Component(0),
-            eta: 1.0,
-        })
-    }
-}
-
-/// A Dirac component followed from one direction.
-#[derive(Clone, Copy, Debug)]
-pub struct DiracEvent {
-    /// The only direction `wo` that the component sends `wi` to.
-    pub direction: Local,
-    /// Coefficient of the Dirac, `|cos θ_o|` cancelled.
-    pub coefficient: Rgb,
-    /// Probability with which [`BsdfModel::sample`] selects the component.
-    pub probability: f32,
-    /// [`Lobe::Specular`] or [`Lobe::Null`].
-    pub lobe: Lobe,
-    /// As [`BsdfSample::eta`].
-    pub eta: f32,
-    /// `|cos θ_o| / |cos θ_i|` to the normal that the lobe is written around; 1 unless refracted.
-    pub cosine_ratio: f32,
-}
-
-impl DiracEvent {
-    /// Solid angle around `wi` for each solid angle around [`DiracEvent::direction`].
-    ///
-    /// Refraction keeps `n² |cos θ| dω`; everything else keeps `dω`.
-    #[inline]
-    pub fn inverse_stretch(&self) -> f32 {
-        self.cosine_ratio / (self.eta * self.eta)
-    }
-
-    /// The sample that selected this event; `None` when it has no chance to be selected.
-    #[inline]
-    fn sampled(self, component: Component) -> Option<BsdfSample> {
-        (self.probability > 0.0).then(|| BsdfSample {
-            direction: self.direction,
-            weight: self.coefficient / self.probability,
-            value: self.coefficient,
-            density: self.probability,
-            lobe: self.lobe,
-            component,
-            eta: self.eta,
-        })
-    }
 }
 
 /// What a material can answer; see the module's contract.
@@ -336,6 +231,10 @@ macro_rules! bsdf_models {
 bsdf_models! {
     /// Ideal diffuse reflection.
     Diffuse,
+    /// Grooves with diffuse flanks.
+    RoughDiffuse,
+    /// Diffuse transmission.
+    DiffuseTransmitter,
     /// A material for each side.
     TwoSided,
     /// A smooth boundary between transparent substances.
@@ -352,8 +251,24 @@ bsdf_models! {
     Plastic,
     /// A diffuse base under a rough coat.
     RoughPlastic,
+    /// A diffuse surface with Phong's highlight.
+    Phong,
+    /// A diffuse surface with Ward's highlight.
+    Ward,
+    /// Disney's material for bodies.
+    Principled,
+    /// Disney's material for thin things.
+    PrincipledThin,
+    /// A material under a smooth coat.
+    Coating,
+    /// A material under a rough coat.
+    RoughCoating,
+    /// A weighted sum of materials.
+    Mixture,
     /// A material on bumps.
     BumpMap,
+    /// A material with the normals of a texture.
+    NormalMap,
     /// A material with holes.
     Mask,
     /// No surface.

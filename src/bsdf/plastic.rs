@@ -15,6 +15,7 @@ use crate::texture::{Texture, TextureModel};
 #[derive(Clone, Debug)]
 pub struct Plastic {
     coated: CoatedBase,
+    inner_reflectance: f32,
 }
 
 impl Plastic {
@@ -37,8 +38,8 @@ impl Plastic {
                 specular_reflectance.into(),
                 diffuse_reflectance.into(),
                 nonlinear,
-                ior.seen_from(-1.0).diffuse_reflectance(),
             ),
+            inner_reflectance: ior.seen_from(-1.0).diffuse_reflectance(),
         }
     }
 
@@ -72,7 +73,7 @@ impl Plastic {
     ) -> (Rgb, SolidAngleDensity) {
         let passed = (1.0 - reflectance) * (1.0 - self.reflectance(wo.cos()));
         (
-            self.coated.base(at.uv) * (passed * FRAC_1_PI * wo.cos()),
+            self.coated.base(at.uv, self.inner_reflectance) * (passed * FRAC_1_PI * wo.cos()),
             SolidAngleDensity((1.0 - choice) * warp::cosine_hemisphere_density(wo.cos())),
         )
     }
@@ -167,6 +168,6 @@ impl BsdfModel for Plastic {
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {
-        self.coated.albedo(at.uv)
+        self.coated.albedo(at.uv, self.inner_reflectance)
     }
 }

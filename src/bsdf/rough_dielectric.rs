@@ -69,7 +69,7 @@ impl RoughDielectric {
 ///
 /// Source: Walter 2007, Sec. 5.3.
 #[inline]
-fn refracting_normal(wi: Local, wo: Local, ior: RelativeIor) -> Option<(Local, f32)> {
+pub(super) fn refracting_normal(wi: Local, wo: Local, ior: RelativeIor) -> Option<(Local, f32)> {
     let sum = wi.0 + wo.0 * ior.ratio();
     let m = sum.normalize_or_zero() * 1.0_f32.copysign(sum.z);
     // Each direction must lie on the same side of the mirror as of the surface.

@@ -28,12 +28,21 @@ impl TwoSided {
         let front = front.into();
         let transmits = |bsdf: &Bsdf| bsdf.lobes().transmission;
         if transmits(&front) || back.as_ref().is_some_and(transmits) {
-            return Err(BsdfError::NestedTransmission);
+            return Err(BsdfError::NestedTransmission("a two-sided material"));
         }
         Ok(Self {
             front: Box::new(front),
             back: back.map(Box::new),
         })
+    }
+
+    /// Makes the material whose sides are made from those of this one.
+    ///
+    /// # Errors
+    /// Those of `make`, and [`BsdfError::NestedTransmission`].
+    pub fn map(self, make: impl Fn(Bsdf) -> Result<Bsdf, BsdfError>) -> Result<Self, BsdfError> {
+        let back = self.back.map(|back| make(*back)).transpose()?;
+        Self::new(make(*self.front)?, back)
     }
 
     /// The material behind the front's, or the front's for both.
@@ -221,7 +230,7 @@ mod tests {
         for glass in Dielectric::examples() {
             assert!(matches!(
                 TwoSided::new(glass.clone(), None),
-                Err(BsdfError::NestedTransmission)
+                Err(BsdfError::NestedTransmission(_))
             ));
             assert!(TwoSided::new(Diffuse::new(0.5), Some(glass.into())).is_err());
         }

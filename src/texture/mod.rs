@@ -81,6 +81,13 @@ texture_models! {
     Constant(Constant),
 }
 
+impl Texture {
+    /// True when the texture is zero everywhere and known to be.
+    pub fn is_zero(&self) -> bool {
+        self.is_constant() && self.colour(Vec2::ZERO).is_black()
+    }
+}
+
 impl From<Rgb> for Texture {
     fn from(colour: Rgb) -> Self {
         Constant::new(colour).into()

@@ -1,34 +1,43 @@
 //! Materials.
 
+mod nesting;
+mod principled;
+mod values;
+
 use super::loader::Loader;
-use super::xml::{
-    ColourSource, ColourUse, ElementId, ElementKind, ElementReader, NumberOrName, ScalarSource,
-    did_you_mean,
-};
+use super::xml::{ElementId, ElementReader};
 use crate::bsdf::{
-    self, Bsdf, BsdfError, BumpMap, ComplexIor, Conductor, Dielectric, Diffuse, Mask,
-    MicrofacetKind, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric, RoughPlastic,
-    Roughness, ThinDielectric, TwoSided,
+    Bsdf, BsdfError, Conductor, Dielectric, Diffuse, DiffuseTransmitter, Null, Phong, Plastic,
+    RoughConductor, RoughDielectric, RoughDiffuse, RoughPlastic, ThinDielectric, Ward, WardKind,
 };
-use crate::math::Rgb;
 use crate::scene::BsdfId;
-use crate::texture::Texture;
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 13] = [
+const KNOWN: [&str; 24] = [
+    "blendbsdf",
     "bumpmap",
+    "coating",
     "conductor",
     "dielectric",
+    "difftrans",
     "diffuse",
+    "lambertian",
     "mask",
+    "mixturebsdf",
+    "normalmap",
     "null",
+    "phong",
     "plastic",
+    "principled",
+    "principledthin",
+    "roughcoating",
     "roughconductor",
     "roughdielectric",
+    "roughdiffuse",
     "roughplastic",
     "thindielectric",
     "twosided",
-    "lambertian",
+    "ward",
 ];
 
 impl Loader<'_> {
@@ -60,6 +69,11 @@ impl Loader<'_> {
             "diffuse" | "lambertian" => {
                 Ok(Diffuse::new(self.reflectance(&mut reader, "reflectance", 0.5)).into())
             }
+            "roughdiffuse" => Ok(self.rough_diffuse(&mut reader)),
+            "difftrans" => {
+                let transmittance = self.reflectance(&mut reader, "transmittance", 0.5);
+                Ok(DiffuseTransmitter::new(transmittance).into())
+            }
             "twosided" => self.two_sided(&mut reader),
             "dielectric" => self.dielectric(&mut reader),
             "thindielectric" => self.thin_dielectric(&mut reader),
@@ -67,6 +81,15 @@ impl Loader<'_> {
             "null" => Ok(Null.into()),
             "mask" => self.mask(&mut reader),
             "bumpmap" => Ok(self.bump_map(&mut reader)),
+            "normalmap" => Ok(self.normal_map(&mut reader)),
+            "blendbsdf" => Ok(self.blend(&mut reader)),
+            "mixturebsdf" => self.mixture(&mut reader),
+            "coating" => self.coating(&mut reader),
+            "roughcoating" => self.rough_coating(&mut reader),
+            "phong" => Ok(self.phong(&mut reader)),
+            "ward" => Ok(self.ward(&mut reader)),
+            "principled" => self.principled(&mut reader),
+            "principledthin" => self.principled_thin(&mut reader),
             "plastic" => self.plastic(&mut reader),
             "roughconductor" => self.rough_conductor(&mut reader),
             "roughdielectric" => self.rough_dielectric(&mut reader),
@@ -81,104 +104,32 @@ impl Loader<'_> {
         built
     }
 
-    /// What stands in for an unknown material: what it wraps, or a diffuse surface of its colour.
-    fn replaced_bsdf(&mut self, id: ElementId, mut reader: ElementReader<'_>) -> Bsdf {
-        let nested = reader.children(ElementKind::Bsdf);
-        if let Some(nested) = nested.first() {
-            self.unknown_plugin(id, KNOWN, "the material inside of it is used instead");
-            return self.build_bsdf(*nested);
-        }
-        self.unknown_plugin(
-            id,
-            KNOWN,
-            "a diffuse material of its colour is used instead",
-        );
-        let diffuse = ["reflectance", "diffuse_reflectance", "base_color"];
-        let specular = ["specular_reflectance"];
-        let mut sum = Rgb::BLACK;
-        let mut found = false;
-        for name in diffuse.iter().chain(&specular) {
-            match reader.texture(name, ColourUse::Reflectance) {
-                Some(ColourSource::Constant(colour)) => sum += colour,
-                Some(ColourSource::Texture(texture)) => {
-                    if let Some(texture) = self.texture(texture) {
-                        return Diffuse::new(texture).into();
-                    }
-                }
-                None => continue,
-            }
-            found = true;
-        }
-        Diffuse::new(if found {
-            sum.clamp(0.0, 1.0)
-        } else {
-            Rgb::grey(0.5)
-        })
-        .into()
+    fn rough_diffuse(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
+        let reflectance = self.reflectance(reader, "reflectance", 0.5);
+        let alpha = self.scalar(reader, "alpha", 0.2);
+        let qualitative = reader.boolean("use_fast_approx", false);
+        RoughDiffuse::new(reflectance, alpha, qualitative).into()
     }
 
-    fn two_sided(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let nested = reader.children(ElementKind::Bsdf);
-        let mut sides = nested
-            .iter()
-            .map(|id| self.build_bsdf(*id))
-            .collect::<Vec<_>>()
-            .into_iter();
-        let Some(front) = sides.next() else {
-            reader.error("", "bsdf \"twosided\" holds no material");
-            return Ok(Diffuse::new(0.5).into());
-        };
-        let back = sides.next();
-        if sides.next().is_some() {
-            reader.error("", "bsdf \"twosided\" holds more than two materials");
-        }
-        Ok(TwoSided::new(front, back)?.into())
+    fn phong(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
+        let exponent = self.scalar(reader, "exponent", 30.0);
+        let specular = self.reflectance(reader, "specular_reflectance", 0.2);
+        let diffuse = self.reflectance(reader, "diffuse_reflectance", 0.5);
+        Phong::new(exponent, specular, diffuse).into()
     }
 
-    fn mask(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let opacity = self.reflectance(reader, "opacity", 0.5);
-        Ok(Mask::new(opacity, self.only_nested(reader)).into())
-    }
-
-    fn bump_map(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
-        let scale = reader.float("scale", 1.0);
-        // The first generation's bumps do not shadow each other.
-        let shadowing = !self.tree.version().is_first_generation();
-        let shadowing = reader.boolean("use_shadowing_function", shadowing);
-        if reader.boolean("flip_invalid_normals", false) {
-            reader.warning(
-                "flip_invalid_normals",
-                "normals that lean away from the viewer are not flipped; they are black",
-            );
-        }
-        let height = match reader.child(ElementKind::Texture) {
-            Some(texture) => self.texture(texture),
-            None => {
-                reader.error("", "bsdf \"bumpmap\" holds no texture");
-                None
-            }
-        };
-        let nested = self.only_nested(reader);
+    fn ward(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
+        let kinds = [
+            ("balanced", WardKind::Balanced),
+            ("ward", WardKind::Original),
+            ("ward-duer", WardKind::Duer),
+        ];
+        let kind = reader.choice("variant", &kinds, WardKind::Balanced);
+        let alpha = ["alpha_u", "alpha_v"].map(|name| self.scalar(reader, name, 0.1));
+        let specular = self.reflectance(reader, "specular_reflectance", 0.2);
+        let diffuse = self.reflectance(reader, "diffuse_reflectance", 0.5);
         self.follows_coordinates = true;
-        BumpMap::new(
-            height.unwrap_or_else(|| 0.0.into()),
-            scale,
-            shadowing,
-            nested,
-        )
-        .into()
-    }
-
-    /// The one material inside of another.
-    fn only_nested(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
-        match reader.child(ElementKind::Bsdf) {
-            Some(nested) => self.build_bsdf(nested),
-            None => {
-                let message = format!("{} holds no material", reader.element().title());
-                reader.error("", message);
-                Diffuse::new(0.5).into()
-            }
-        }
+        Ward::new(kind, alpha, specular, diffuse).into()
     }
 
     fn dielectric(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
@@ -224,118 +175,11 @@ impl Loader<'_> {
 
     fn rough_plastic(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
         let kind = self.distribution(reader);
-        let alpha = reader.float("alpha", 0.1);
+        let alpha = self.scalar(reader, "alpha", 0.1);
         let ior = self.indices(reader, "polypropylene");
         let diffuse = self.reflectance(reader, "diffuse_reflectance", 0.5);
         let specular = self.reflectance(reader, "specular_reflectance", 1.0);
         let nonlinear = reader.boolean("nonlinear", false);
         Ok(RoughPlastic::new(kind, alpha, ior?, specular, diffuse, nonlinear).into())
-    }
-
-    /// Inner over outer index of refraction, by number or by name.
-    fn indices(
-        &self,
-        reader: &mut ElementReader<'_>,
-        interior: &'static str,
-    ) -> Result<RelativeIor, BsdfError> {
-        let inner = self.index(reader, "int_ior", interior);
-        RelativeIor::new(inner, self.index(reader, "ext_ior", "air"))
-    }
-
-    fn index(&self, reader: &mut ElementReader<'_>, name: &str, default: &'static str) -> f32 {
-        let named = match reader.number_or_name(name) {
-            Some(NumberOrName::Number(number)) => return number,
-            Some(NumberOrName::Name(named)) => named,
-            None => default,
-        };
-        bsdf::ior(named).unwrap_or_else(|| {
-            let hint = did_you_mean(named, bsdf::ior_names());
-            reader.error(name, format!("unknown substance \"{named}\"{hint}"));
-            1.0
-        })
-    }
-
-    /// Complex index of a metal relative to its surroundings; `None` for a perfect mirror.
-    fn metal(&self, reader: &mut ElementReader<'_>) -> Option<ComplexIor> {
-        let exterior = self.index(reader, "ext_eta", "air");
-        let given = reader.colour("eta", ColourUse::Index);
-        let absorption = reader.colour("k", ColourUse::Index);
-        let material = reader.optional_string("material");
-        if given.is_some() || absorption.is_some() {
-            let eta = given.unwrap_or(Rgb::BLACK);
-            let k = absorption.unwrap_or(Rgb::WHITE);
-            return Some(ComplexIor {
-                eta: eta / exterior,
-                k: k / exterior,
-            });
-        }
-        let material = material.unwrap_or("Cu");
-        if material.eq_ignore_ascii_case("none") {
-            return None;
-        }
-        let Some((eta, k)) = bsdf::conductor(material) else {
-            let hint = did_you_mean(material, bsdf::conductor_names());
-            reader.error("material", format!("unknown material \"{material}\"{hint}"));
-            return None;
-        };
-        Some(ComplexIor {
-            eta: eta / exterior,
-            k: k / exterior,
-        })
-    }
-
-    fn distribution(&self, reader: &mut ElementReader<'_>) -> MicrofacetKind {
-        // Visible normals are always sampled: it is the better technique, and the same material.
-        reader.ignore(&["sample_visible"]);
-        let kinds = [
-            ("beckmann", MicrofacetKind::Beckmann),
-            ("ggx", MicrofacetKind::Ggx),
-            // Retired in both generations; the documentation names Beckmann as its likeness.
-            ("phong", MicrofacetKind::Beckmann),
-            ("as", MicrofacetKind::Beckmann),
-        ];
-        let kind = reader.choice("distribution", &kinds, MicrofacetKind::Beckmann);
-        if matches!(reader.string("distribution", ""), "phong" | "as") {
-            reader.replacement(
-                "distribution",
-                "this distribution is not known; \"beckmann\" is used instead",
-            );
-        }
-        kind
-    }
-
-    fn roughness(&mut self, reader: &mut ElementReader<'_>) -> Roughness {
-        let kind = self.distribution(reader);
-        let alpha = self.optional_scalar(reader, "alpha");
-        let along = self.optional_scalar(reader, "alpha_u");
-        let across = self.optional_scalar(reader, "alpha_v");
-        match (along, across) {
-            (None, None) => Roughness::isotropic(kind, alpha.unwrap_or_else(|| 0.1.into())),
-            (along, across) => {
-                let other = || alpha.clone().unwrap_or_else(|| 0.1.into());
-                self.follows_coordinates = true;
-                Roughness::new(
-                    kind,
-                    along.unwrap_or_else(other),
-                    across.unwrap_or_else(other),
-                )
-            }
-        }
-    }
-
-    /// A colour or texture of values from 0 to 1.
-    fn reflectance(&mut self, reader: &mut ElementReader<'_>, name: &str, default: f32) -> Texture {
-        match reader.texture(name, ColourUse::Reflectance) {
-            Some(ColourSource::Constant(colour)) => colour.into(),
-            Some(ColourSource::Texture(id)) => self.texture(id).unwrap_or_else(|| default.into()),
-            None => default.into(),
-        }
-    }
-
-    fn optional_scalar(&mut self, reader: &mut ElementReader<'_>, name: &str) -> Option<Texture> {
-        match reader.scalar_texture(name)? {
-            ScalarSource::Constant(value) => Some(value.into()),
-            ScalarSource::Texture(id) => self.texture(id),
-        }
     }
 }

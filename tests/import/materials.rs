@@ -1,0 +1,167 @@
+//! Materials that are read in both generations' spellings, and what is said of broken ones.
+
+use super::{check, file_of};
+
+/// A shape with a material, whose content begins in the middle of line 3.
+fn material(plugin: &str, inside: &str) -> String {
+    file_of(&format!(
+        "<shape type='rectangle'><bsdf type='{plugin}'>{inside}</bsdf></shape>"
+    ))
+}
+
+const DIFFUSE: &str = "<bsdf type='diffuse'/>";
+const BOARD: &str = "<texture type='checkerboard'/>";
+
+fn float(name: &str) -> String {
+    format!("<float name='{name}' value='0.3'/>")
+}
+
+fn colour(name: &str) -> String {
+    format!("<rgb name='{name}' value='0.3'/>")
+}
+
+fn board(name: &str) -> String {
+    format!("<texture name='{name}' type='checkerboard'/>")
+}
+
+/// Every parameter of every plugin, in the spelling of the generation that has it.
+#[test]
+fn all_parameters_of_surfaces_are_known() {
+    let highlight = colour("specularReflectance") + &board("diffuseReflectance");
+    let fast = "<boolean name='useFastApprox' value='true'/>";
+    let variant = "<string name='variant' value='ward-duer'/>";
+    for (plugin, inside) in [
+        (
+            "roughdiffuse",
+            board("reflectance") + &float("alpha") + fast,
+        ),
+        ("difftrans", board("transmittance")),
+        ("phong", board("exponent") + &highlight),
+        (
+            "ward",
+            float("alphaU") + &board("alphaV") + &highlight + variant,
+        ),
+        ("roughplastic", board("alpha")),
+    ] {
+        check(&material(plugin, &inside), &[], "");
+    }
+    let both = [
+        "roughness",
+        "anisotropic",
+        "spec_trans",
+        "spec_tint",
+        "sheen",
+        "sheen_tint",
+        "flatness",
+    ];
+    let both = board("base_color") + &both.map(float).concat();
+    let body = ["metallic", "clearcoat", "clearcoat_gloss", "specular"].map(float);
+    check(&material("principled", &(body.concat() + &both)), &[], "");
+    let thin = both + &float("diff_trans") + "<float name='eta' value='1.4'/>";
+    check(&material("principledthin", &thin), &[], "");
+}
+
+#[test]
+fn all_parameters_of_materials_that_hold_others_are_known() {
+    let coat = [
+        "<string name='intIOR' value='bk7'/><float name='extIOR' value='1'/>".to_string(),
+        float("thickness"),
+        colour("sigmaA"),
+        colour("specularReflectance"),
+        "<bsdf type='twosided'><bsdf type='conductor'/></bsdf>".to_string(),
+    ]
+    .concat();
+    let ggx = "<string name='distribution' value='ggx'/>";
+    let weights = "<string name='weights' value='0.2, 0.7'/>";
+    let shadowing = "<boolean name='use_shadowing_function' value='false'/>";
+    for (plugin, inside) in [
+        ("coating", coat.clone()),
+        ("roughcoating", coat + &float("alpha") + ggx),
+        ("blendbsdf", board("weight") + DIFFUSE + DIFFUSE),
+        ("mixturebsdf", format!("{weights}{DIFFUSE}{DIFFUSE}")),
+        ("normalmap", format!("{BOARD}{DIFFUSE}{shadowing}")),
+    ] {
+        check(&material(plugin, &inside), &[], "");
+    }
+}
+
+fn refuse(plugin: &str, cases: &[(&str, &str)]) {
+    for (inside, expected) in cases {
+        let expected = format!("scene.xml:{expected}");
+        check(&material(plugin, inside), &[], &expected);
+    }
+}
+
+#[test]
+fn incomplete_materials_are_refused() {
+    refuse(
+        "blendbsdf",
+        &[(DIFFUSE, "3:25: bsdf \"blendbsdf\" needs two materials")],
+    );
+    refuse(
+        "normalmap",
+        &[(DIFFUSE, "3:25: bsdf \"normalmap\" holds no texture")],
+    );
+    refuse(
+        "mixturebsdf",
+        &[
+            (
+                "\n<string name='weights' value='0.2, x'/><bsdf type='diffuse'/><bsdf type='null'/>",
+                "4:1: found \"0.2, x\", expected one number for each of 2 materials",
+            ),
+            (
+                "\n<string name='weights' value='1, 1'/><bsdf type='diffuse'/><bsdf type='null'/>",
+                "4:1: warning: the weights add up to 2; they are scaled down to 1",
+            ),
+            (
+                "<string name='weights' value='-1, 1'/><bsdf type='diffuse'/><bsdf type='null'/>",
+                "3:25: the weights of materials must be 0 or more and add up to 1 at most, not to 0",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn contradictory_materials_are_refused() {
+    refuse(
+        "coating",
+        &[
+            (
+                "<bsdf type='dielectric'/>",
+                "3:25: a coating cannot hold a material that lets light through",
+            ),
+            (
+                "\n<float name='thickness' value='-1'/><bsdf type='diffuse'/>",
+                "4:1: a coat cannot be thinner than nothing",
+            ),
+        ],
+    );
+    refuse(
+        "ward",
+        &[(
+            "\n<string name='variant' value='ward-dur'/>",
+            "4:1: \"variant\": found \"ward-dur\", expected balanced, ward, ward-duer (did you mean \
+             \"ward-duer\"?)",
+        )],
+    );
+    refuse(
+        "principled",
+        &[
+            (
+                "\n<float name='specular' value='0.5'/><float name='eta' value='1.5'/>",
+                "4:1: \"eta\" says already what \"specular\" says",
+            ),
+            (
+                "\n<float name='specular' value='2'/>",
+                "4:1: \"specular\" is 2, expected 0 to 1",
+            ),
+        ],
+    );
+    refuse(
+        "principle",
+        &[(
+            "",
+            "3:25: unknown bsdf \"principle\" (did you mean \"principled\"?)",
+        )],
+    );
+}
