@@ -12,7 +12,7 @@ use lumiflow::math::statistics::{sidak, two_sided_p};
 use lumiflow::mutation::{
     CausticPerturbation, Chain, Choose, Fault, Mutate, Mutation, Perturbation,
 };
-use lumiflow::path::Path;
+use lumiflow::path::{Path, PathSpace};
 
 use crate::support::effort::{level, samples, seed};
 use crate::support::factors::{Factors, NAMES, factors};
@@ -44,20 +44,25 @@ impl Only {
         let is_meant = !self.is_caustic || CausticPerturbation::is_caustic(path);
         is_meant && self.mutation.last_changed(path).is_some()
     }
-}
 
-impl Choose for Only {
-    fn choose(&self, path: &Path, u: f32) -> Option<Mutation> {
-        let chance = self.probability(path, self.mutation);
-        (f64::from(u) < chance && self.applies(path)).then_some(self.mutation)
-    }
-
-    fn probability(&self, path: &Path, _: Mutation) -> f64 {
+    /// Chance of being chosen where it applies.
+    fn chance(&self, path: &Path) -> f64 {
         if self.is_uneven && path.raster().x < 8.0 {
             0.3
         } else {
             1.0
         }
+    }
+}
+
+impl Choose for Only {
+    fn choose(&self, path: &Path, u: f32) -> Option<Mutation> {
+        let chance = self.chance(path);
+        (f64::from(u) < chance && self.applies(path)).then_some(self.mutation)
+    }
+
+    fn density(&self, _: &PathSpace<'_>, from: &Path, _: &Path, _: Mutation) -> f64 {
+        self.chance(from)
     }
 }
 

@@ -84,7 +84,7 @@ impl Choose for Only {
         self.0.last_changed(path).map(|_| self.0)
     }
 
-    fn probability(&self, _: &Path, _: Mutation) -> f64 {
+    fn density(&self, _: &PathSpace<'_>, _: &Path, _: &Path, _: Mutation) -> f64 {
         1.0
     }
 }

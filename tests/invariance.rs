@@ -1,24 +1,11 @@
 //! Chains of any length, under any flow rule, move energy about and leave the mean picture as it is.
 
-use crate::support::effort::{is_proof, level, samples, seed};
+use crate::support::effort::is_proof;
 use crate::support::hard_scenes::{
     View, body_in_glass, bumpy_mirror, glass_caustic, indirect, many_lights, mirror_caustic,
     out_of_focus, plastics,
 };
-use crate::support::render::{Replicas, image, integrator, layer, run, settings, tiles};
-
-const SIDE: u32 = 16;
-const TILE: usize = 4;
-const REPLICAS: u64 = 32;
-/// Chance that a right program fails one of these tests with another seed.
-const LEVEL: f64 = 1e-3;
-
-/// One way of spreading the energy of seeds.
-struct Way {
-    options: String,
-    /// Passes of a replica in the suite.
-    passes: u32,
-}
+use crate::support::same_mean::{Reference, SIDE, Way};
 
 /// The flow rules, each with chains of four lengths, shortest first.
 fn ways() -> [[Way; 4]; 4] {
@@ -26,19 +13,19 @@ fn ways() -> [[Way; 4]; 4] {
         [(1, 30, 6), (10, 30, 6), (100, 50, 3), (1000, 100, 3)].map(
             |(length, mutations, passes)| Way {
                 options: format!(
-                    "chain_length={length} mutations_per_sample={mutations} expected_values={expected}"
+                    "erpt chain_length={length} mutations_per_sample={mutations} expected_values={expected}"
                 ),
                 passes,
             },
         )
     };
     let detailed = [(1, 24), (10, 6), (100, 2), (1000, 1)].map(|(proposals, passes)| Way {
-        options: format!("flow=detailed chain_length={proposals}"),
+        options: format!("erpt flow=detailed chain_length={proposals}"),
         passes,
     });
     let iterated = [(1, 1, 16), (1, 4, 6), (2, 3, 6), (1, 8, 3)].map(|(proposals, depth, passes)| Way {
         options: format!(
-            "flow=iterated flow_proposals={proposals} flow_depth={depth} mutations_per_sample=10"
+            "erpt flow=iterated flow_proposals={proposals} flow_depth={depth} mutations_per_sample=10"
         ),
         passes,
     });
@@ -74,85 +61,6 @@ fn ways_for(scene: usize) -> Vec<Way> {
         }
     }
     chosen
-}
-
-const TRACING: &str = "max_depth=6";
-
-/// Means of tiles of a picture, and of what of it chains have made.
-fn render(view: &View, text: &str, seed: u64, passes: u32) -> [Vec<f64>; 2] {
-    let algorithm = integrator(text);
-    let settings = settings(seed, SIDE);
-    let rendered = run(
-        &view.scene,
-        &view.sensor,
-        algorithm.as_ref(),
-        settings,
-        passes,
-    );
-    let whole = tiles(&image(&rendered), TILE);
-    if text.starts_with("path") {
-        return [whole.clone(), whole];
-    }
-    [whole, tiles(&layer(&rendered, "redistributed"), TILE)]
-}
-
-/// Path-traced pictures of a scene: what all others must look like.
-struct Reference {
-    replicas: Replicas,
-    means: Vec<f64>,
-}
-
-impl Reference {
-    fn new(view: &View) -> Self {
-        let text = format!("path {TRACING}");
-        let passes = samples(32);
-        let replicas = Replicas::new(seed(900), REPLICAS, |seed| {
-            let [whole, _] = render(view, &text, seed, passes);
-            whole
-        });
-        let means = replicas.summary().iter().map(|(mean, _)| *mean).collect();
-        Self { replicas, means }
-    }
-
-    /// Checks pictures made by chains, and what chains have made more than the path-traced pictures of
-    /// their own seeds show, which varies less.
-    ///
-    /// - `seeds`: the view whose path-traced pictures are compared.
-    fn check(&self, view: &View, seeds: &View, way: &Way) -> Result<(), String> {
-        let text = format!("erpt {TRACING} luminance_samples=256 {}", way.options);
-        let mut differences = Vec::new();
-        let pictures = Replicas::new(seed(500), REPLICAS, |seed| {
-            let [whole, chains] = render(view, &text, seed, way.passes);
-            differences.push(self.difference(&chains, seeds, way, seed));
-            whole
-        });
-        let differences = Replicas {
-            values: differences,
-        };
-        let level = level(LEVEL) / 3.0;
-        differences
-            .check(&self.means, level)
-            .and_then(|()| differences.check_mean_square(&self.means, level))
-            .and_then(|()| pictures.check_same(&self.replicas, level))
-            .map_err(|error| format!("{}, {text}: {error}", view.name))
-    }
-
-    /// What chains have made more than their seeds; around the reference, so that rounding has a scale.
-    fn difference(&self, chains: &[f64], seeds: &View, way: &Way, seed: u64) -> Vec<f64> {
-        let traced = |options: &str| {
-            let [whole, _] = render(seeds, &format!("path {options}"), seed, way.passes);
-            whole
-        };
-        let mut all = traced(TRACING);
-        if !way.options.contains("separate_direct=false") {
-            let direct = traced("max_depth=2");
-            all.iter_mut()
-                .zip(direct)
-                .for_each(|(all, direct)| *all -= direct);
-        }
-        let triples = chains.iter().zip(&all).zip(&self.means);
-        triples.map(|((a, b), mean)| a - b + mean).collect()
-    }
 }
 
 fn check(scene: usize, view: &View) -> Result<(), String> {
@@ -218,7 +126,7 @@ fn chains_that_make_or_lose_light_are_found() {
     };
     // Three per cent too much.
     let brighter = glass_caustic(SIDE, 1.03);
-    let options = "chain_length=10 mutations_per_sample=30 separate_direct=false";
+    let options = "erpt chain_length=10 mutations_per_sample=30 separate_direct=false";
     assert!(reference.check(&brighter, &view, &way(options)).is_err());
     // Caustics are left out.
     let options = format!("{options} max_depth=3");

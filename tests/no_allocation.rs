@@ -4,10 +4,11 @@
 
 use std::hint::black_box;
 use std::path::Path as FilePath;
+use std::sync::atomic::AtomicBool;
 
 use allocation_counter::measure;
 use lumiflow::film::{PassBuffer, Window};
-use lumiflow::integrator::{self, PixelSettings};
+use lumiflow::integrator::{self, Driver, PixelSettings, Progress};
 use lumiflow::math::Vec2;
 use lumiflow::mutation::{
     AngleKernel, CausticKernel, Chain, Choice, Fault, Mutate, Mutation, Perturbation, RasterDomain,
@@ -153,7 +154,17 @@ fn allocations((scene, view): &(Scene, View), text: &str) -> (u64, u64) {
         .map(|(layer, unit)| PassBuffer::new(render.window(), layer.channels.len(), unit))
         .collect();
     let mut mutations = 0;
-    let info = measure(|| mutations = render.run_unit(0, 0, &layers).mutation_count());
+    let (never, progress) = (AtomicBool::new(false), Progress::default());
+    let driver = Driver::new(&never, &progress);
+    // The measure is of one thread.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.expect("a thread can be started");
+    let info = pool.install(|| {
+        measure(|| {
+            let counters = render.run_pass(0, &layers, &driver);
+            mutations = counters.map_or(0, |counters| counters.mutation_count());
+        })
+    });
     (info.count_total, mutations)
 }
 

@@ -18,6 +18,7 @@ mod layering;
 mod meshes;
 mod mitsuba_materials;
 mod paths;
+mod pmc_er;
 mod reference;
 mod scales;
 mod scattering;

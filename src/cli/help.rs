@@ -84,6 +84,47 @@ const OPTIONS: &[(&str, &str)] = &[
         "chain_length",
         "mutations of a chain, m (Mitsuba: chainLength)",
     ),
+    ("population", "most paths that are alive at once, N"),
+    ("mutations", "mutations of a path in a round, m"),
+    ("rounds", "rounds that each path lives, J"),
+    (
+        "scheme",
+        "fixed: all paths live J rounds; lai: as long as their energy lasts, as published: biased",
+    ),
+    (
+        "transfer",
+        "how paths spread energy: deposits, or balance (their proposals become paths themselves)",
+    ),
+    (
+        "resampling_rate",
+        "part of the population that is replaced after each round",
+    ),
+    (
+        "radii",
+        "sizes of moves on the image, in pixels: any number",
+    ),
+    (
+        "caustic_share",
+        "chance of a caustic move where one applies; others share the rest",
+    ),
+    (
+        "adaptation",
+        "how radii are chosen: map (learnt in passes before), member (own past: biased) or off",
+    ),
+    ("map_cell", "side of the map's cells in pixels"),
+    ("epsilon", "chance that every radius keeps, however poor"),
+    (
+        "reach_power",
+        "a radius counts by its mean acceptance times itself to this power",
+    ),
+    (
+        "proposal_density",
+        "density in the acceptance: of the kernel that made the proposal, or of the mixture",
+    ),
+    (
+        "max_members",
+        "most paths that one seed begins; beyond, each has more weight",
+    ),
     (
         "num_chains",
         "chains for each camera sample in the mean, sets K to that times m; 0 leaves K (Mitsuba: numChains)",

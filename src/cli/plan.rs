@@ -146,12 +146,14 @@ pub(super) fn filter(name: FilterName) -> Option<Filter> {
 }
 
 fn is_known(name: &str) -> bool {
+    let name = integrator::canonical_name(name);
     integrator::NAMES.iter().any(|(known, _)| *known == name)
 }
 
 fn choose<'r>(wish: &Wish<'r>, request: &'r IntegratorRequest) -> Choice<'r> {
-    let wanted = request.name.as_str();
-    let (name, stands_in) = match wish.integrator {
+    let wanted = integrator::canonical_name(&request.name);
+    let given = wish.integrator.map(integrator::canonical_name);
+    let (name, stands_in) = match given {
         Some(name) => (name, !wanted.is_empty() && name != wanted),
         None if is_known(wanted) => (wanted, false),
         None => (DEFAULT_INTEGRATOR, !wanted.is_empty()),

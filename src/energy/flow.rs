@@ -71,8 +71,7 @@ impl FlowRule {
     /// Number of states that [`Walker::save`] must have room for.
     pub fn levels(self) -> usize {
         match self {
-            Self::EqualDeposition { .. } => 0,
-            Self::DetailedBalance { .. } => 1,
+            Self::EqualDeposition { .. } | Self::DetailedBalance { .. } => 0,
             Self::IteratedDetailedBalance { depth, .. } => 2 * depth as usize + 2,
         }
     }
@@ -149,7 +148,7 @@ pub fn chain_count(energy: f64, deposit: f64, length: u32, u: f64) -> u32 {
 /// One chain of equal deposition.
 ///
 /// Source: Cline et al. 2005, Fig. 6; van Antwerpen 2011, Alg. 8 for the expected values.
-fn run_chain(walker: &mut impl Walker, length: u32, deposit: f64, expected: bool) {
+pub(super) fn run_chain(walker: &mut impl Walker, length: u32, deposit: f64, expected: bool) {
     for _ in 0..length {
         let acceptance = walker.propose();
         if expected {

@@ -4,10 +4,16 @@
 //! is `c_j · e` in expectation, with `c_j` the same for every seed. Numbers of steps and depths never
 //! depend on a state or its energy.
 
+mod adaptation;
 mod flow;
+mod population;
 #[cfg(test)]
 mod ring;
 #[cfg(test)]
 mod tests;
 
+pub use adaptation::{AcceptanceTally, choose_kernel, kernel_weights};
 pub use flow::{FlowRule, Walker, chain_count};
+pub use population::{
+    Account, Births, Member, Population, PopulationRule, Scheme, Transfer, survival_probabilities,
+};

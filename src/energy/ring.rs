@@ -6,7 +6,7 @@ use super::{FlowRule, Walker};
 use crate::math::statistics::sidak;
 use crate::random::{Purpose, Stream};
 
-const STATES: usize = 6;
+pub(super) const STATES: usize = 6;
 /// The target at each state. Seeds are uniform, so that they have six times this energy.
 const TARGET: [f64; STATES] = [1.0, 2.0, 4.0, 1.5, 3.0, 0.5];
 /// Independent groups of seeds, from which the variance comes.
@@ -59,6 +59,44 @@ impl Ring {
             deposits: [0.0; STATES],
         }
     }
+
+    /// Energy of a seed at a state.
+    pub(super) fn seed_energy(&self, state: usize) -> f64 {
+        TARGET[state] * STATES as f64
+    }
+
+    /// The current state.
+    pub(super) fn place(&self) -> usize {
+        self.current
+    }
+
+    /// Makes a state the current one.
+    pub(super) fn go_to(&mut self, state: usize) {
+        assert_eq!(self.proposal, None);
+        self.current = state;
+    }
+
+    /// The proposal under way.
+    pub(super) fn proposed(&self) -> usize {
+        self.proposal.flatten().expect("a proposal")
+    }
+
+    /// Proposes a step of a size, up or down; returns its acceptance, given a further factor on the ratio.
+    pub(super) fn propose_step(&mut self, size: usize, factor: impl FnOnce(usize) -> f64) -> f64 {
+        assert_eq!(self.proposal, None);
+        if self.uniform() < self.moves.failures {
+            self.proposal = Some(None);
+            return 0.0;
+        }
+        let step = if self.uniform() < self.moves.up {
+            size
+        } else {
+            STATES - size
+        };
+        let next = (self.current + step) % STATES;
+        self.proposal = Some(Some(next));
+        (self.moves.acceptance)(TARGET[next] / TARGET[self.current] * factor(next))
+    }
 }
 
 impl Walker for Ring {
@@ -68,19 +106,7 @@ impl Walker for Ring {
     }
 
     fn propose(&mut self) -> f64 {
-        assert_eq!(self.proposal, None);
-        if self.uniform() < self.moves.failures {
-            self.proposal = Some(None);
-            return 0.0;
-        }
-        let step = if self.uniform() < self.moves.up {
-            1
-        } else {
-            STATES - 1
-        };
-        let next = (self.current + step) % STATES;
-        self.proposal = Some(Some(next));
-        (self.moves.acceptance)(TARGET[next] / TARGET[self.current])
+        self.propose_step(1, |_| 1.0)
     }
 
     fn settle(&mut self, is_accepted: bool) {
@@ -95,7 +121,7 @@ impl Walker for Ring {
     }
 
     fn deposit_there(&mut self, energy: f64) {
-        self.deposits[self.proposal.flatten().expect("a proposal")] += energy;
+        self.deposits[self.proposed()] += energy;
     }
 
     fn uniform(&mut self) -> f64 {
@@ -116,24 +142,6 @@ impl Walker for Ring {
     }
 }
 
-/// Mean deposits of a group of seeds, as many at each state.
-fn group(
-    moves: Moves,
-    levels: usize,
-    (number, rounds): (usize, u32),
-    spread: &impl Fn(&mut Ring, f64),
-) -> [f64; STATES] {
-    let mut ring = Ring::new(moves, levels, number);
-    for _ in 0..rounds {
-        for (seed, target) in TARGET.into_iter().enumerate() {
-            ring.seed = seed;
-            spread(&mut ring, target * STATES as f64);
-        }
-    }
-    let seeds = f64::from(rounds) * STATES as f64;
-    ring.deposits.map(|sum| sum / seeds)
-}
-
 /// Checks the mean deposit at every state and their sum.
 ///
 /// - `levels`: states that the rule keeps at a time.
@@ -144,8 +152,39 @@ pub(super) fn check(
     spread: impl Fn(&mut Ring, f64),
 ) -> Result<(), String> {
     let rounds = (MUTATIONS / (mutations * (GROUPS * STATES) as f64)).max(4.0) as u32;
+    let group = |ring: &mut Ring| {
+        for _ in 0..rounds {
+            for state in 0..STATES {
+                ring.seed = state;
+                spread(ring, ring.seed_energy(state));
+            }
+        }
+        rounds
+    };
+    compare(moves, levels, group)
+}
+
+/// As [`check`], of something that makes a group of seeds itself.
+///
+/// - `run`: told about how many seeds to make at each state; returns how many it made.
+pub(super) fn check_groups(
+    moves: Moves,
+    run: impl Fn(&mut Ring, u32) -> u32,
+) -> Result<(), String> {
+    const ROUNDS: u32 = 600;
+    compare(moves, 0, |ring| run(ring, ROUNDS))
+}
+
+/// Compares the mean deposits of independent groups of seeds with the target.
+///
+/// - `run`: makes as many seeds at each state, and returns how many.
+fn compare(moves: Moves, levels: usize, run: impl Fn(&mut Ring) -> u32) -> Result<(), String> {
     let groups: Vec<_> = (0..GROUPS)
-        .map(|number| group(moves, levels, (number, rounds), &spread))
+        .map(|number| {
+            let mut ring = Ring::new(moves, levels, number);
+            let seeds = f64::from(run(&mut ring)) * STATES as f64;
+            ring.deposits.map(|sum| sum / seeds)
+        })
         .collect();
     let sum = |values: &[f64; STATES]| values.iter().sum::<f64>();
     for state in 0..STATES {

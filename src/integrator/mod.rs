@@ -9,19 +9,19 @@ mod chains;
 mod depth;
 mod direct;
 mod erpt;
-
 mod path;
 mod pixel;
+mod pmc_er;
 mod render;
 
 pub use aov::Aov;
 pub use depth::Depth;
 pub use direct::Direct;
 pub use erpt::Erpt;
-
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
-pub use render::{Counters, Integrator, Progress, Rendered, Step, render};
+pub use pmc_er::PmcEr;
+pub use render::{Counters, Driver, Integrator, Progress, Rendered, Step, render};
 
 use crate::path::Heuristic;
 use crate::scene::Scene;
@@ -50,15 +50,25 @@ pub trait Algorithm: Send + Sync {
 }
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
-pub const NAMES: [(&str, &str); 4] = [
+pub const NAMES: [(&str, &str); 5] = [
     ("path", "path tracing with multiple importance sampling"),
     ("direct", "direct light only"),
     ("depth", "distance to the first surface"),
     ("erpt", "energy redistribution path tracing"),
+    ("pmc-er", "population Monte Carlo energy redistribution"),
 ];
 
+/// Other names of integrators.
+const ALIASES: [(&str, &str); 2] = [("pmcer", "pmc-er"), ("pmc_er", "pmc-er")];
+
+/// The name in [`NAMES`] of an integrator that may be called otherwise; any other name is returned as it is.
+pub fn canonical_name(name: &str) -> &str {
+    let found = ALIASES.into_iter().find(|(alias, _)| *alias == name);
+    found.map_or(name, |(_, name)| name)
+}
+
 /// Names of layers that some algorithm makes on demand.
-pub const OWN_LAYERS: &[&str] = erpt::OWN_LAYERS;
+pub const OWN_LAYERS: &[&str] = pmc_er::OWN_LAYERS;
 
 /// Makes an algorithm by name.
 ///
@@ -71,6 +81,7 @@ pub fn from_options(
 ) -> Result<Box<dyn Algorithm>, OptionError> {
     match name {
         "erpt" => Ok(Box::new(Erpt::from_options(options)?)),
+        "pmc-er" => Ok(Box::new(PmcEr::from_options(options)?)),
         _ => Ok(Box::new(pixel_integrator(name, options)?)),
     }
 }

@@ -3,7 +3,7 @@
 use super::Algorithm;
 use super::aov::{self, Aov};
 use super::camera::{CameraSample, SampledWindow, sample_of_film};
-use super::render::{Counters, Integrator};
+use super::render::{Counters, Driver, Integrator};
 use crate::accel::{Hit, Ray};
 use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
 use crate::math::Rgb;
@@ -233,12 +233,14 @@ impl Integrator for PixelRender<'_> {
         self.sampled.unit_count()
     }
 
-    fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
-        let mut counters = Counters::default();
-        for (x, y) in self.sampled.pixels(unit) {
-            self.sample_pixel(x, y, pass, layers, &mut counters);
-        }
-        counters
+    fn run_pass(&self, pass: u32, layers: &[PassBuffer], driver: &Driver<'_>) -> Option<Counters> {
+        driver.run_units(self.unit_count(), |unit| {
+            let mut counters = Counters::default();
+            for (x, y) in self.sampled.pixels(unit) {
+                self.sample_pixel(x, y, pass, layers, &mut counters);
+            }
+            counters
+        })
     }
 }
 

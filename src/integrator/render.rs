@@ -26,12 +26,12 @@ pub trait Integrator: Sync {
     /// Number of work units in a pass.
     fn unit_count(&self) -> u32;
 
-    /// Does one unit of work of one pass.
+    /// Does the work of one pass; `None` when it was cancelled before its end.
     ///
     /// - `layers`: one buffer for each of [`Integrator::layers`].
-    fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters;
+    fn run_pass(&self, pass: u32, layers: &[PassBuffer], driver: &Driver<'_>) -> Option<Counters>;
 
-    /// Ends a pass whose units are all done: layers that follow from others are made here.
+    /// Ends a pass whose work is all done: layers that follow from others are made here.
     fn finish_pass(&self, layers: &mut [PassBuffer]) {
         let _ = layers;
     }
@@ -117,10 +117,68 @@ impl Progress {
         self.rays.load(Relaxed)
     }
 
-    fn add_unit(&self, counters: Counters) {
-        self.units.fetch_add(1, Relaxed);
+    fn add(&self, units: u64, counters: Counters) {
+        self.units.fetch_add(units, Relaxed);
         self.paths.fetch_add(counters.paths, Relaxed);
         self.rays.fetch_add(counters.rays, Relaxed);
+    }
+}
+
+/// What runs units of work on all threads.
+#[derive(Clone, Copy, Debug)]
+pub struct Driver<'a> {
+    cancelled: &'a AtomicBool,
+    progress: &'a Progress,
+}
+
+impl<'a> Driver<'a> {
+    /// - `cancelled`: once true, no further unit is begun.
+    /// - `progress`: counts the work as it is done.
+    pub fn new(cancelled: &'a AtomicBool, progress: &'a Progress) -> Self {
+        Self {
+            cancelled,
+            progress,
+        }
+    }
+
+    /// Runs all units of a pass; `None` when it was cancelled before its end.
+    ///
+    /// - `run`: does one unit of work, whatever the thread.
+    pub fn run_units(&self, count: u32, run: impl Fn(u32) -> Counters + Sync) -> Option<Counters> {
+        let total = Mutex::new(Counters::default());
+        let run = |unit| {
+            if self.is_cancelled() {
+                return;
+            }
+            let counters = run(unit);
+            // Integer counts: their sum does not depend on the order.
+            match total.lock() {
+                Ok(mut total) => *total += counters,
+                Err(poisoned) => *poisoned.into_inner() += counters,
+            }
+            self.progress.add(1, counters);
+        };
+        if rayon::current_num_threads() == 1 {
+            (0..count).for_each(run);
+        } else {
+            (0..count).into_par_iter().for_each(run);
+        }
+        let counters = total
+            .into_inner()
+            .unwrap_or_else(|poisoned| poisoned.into_inner());
+        (!self.is_cancelled()).then_some(counters)
+    }
+
+    /// True once the pass under way is to be dropped.
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Relaxed)
+    }
+
+    /// Reports work that was done otherwise.
+    ///
+    /// - `units`: whole units of it.
+    pub(super) fn report(&self, units: u64, counters: Counters) {
+        self.progress.add(units, counters);
     }
 }
 
@@ -178,8 +236,12 @@ pub fn render(
         passes: 0,
         counters: Counters::default(),
     };
+    let driver = Driver {
+        cancelled,
+        progress,
+    };
     while !cancelled.load(Relaxed) && next(done).is_continue() {
-        let counters = run_pass(integrator, done.passes, &buffers, cancelled, progress);
+        let counters = integrator.run_pass(done.passes, &buffers, &driver);
         let Some(mut counters) = counters else { break };
         integrator.finish_pass(&mut buffers);
         for (sum, buffer) in sums.iter_mut().zip(&mut buffers) {
@@ -199,33 +261,4 @@ pub fn render(
         passes: done.passes,
         counters: done.counters,
     }
-}
-
-/// Runs all units of one pass; `None` when it was cancelled before its end.
-fn run_pass(
-    integrator: &dyn Integrator,
-    pass: u32,
-    buffers: &[PassBuffer],
-    cancelled: &AtomicBool,
-    progress: &Progress,
-) -> Option<Counters> {
-    let total = Mutex::new(Counters::default());
-    (0..integrator.unit_count())
-        .into_par_iter()
-        .for_each(|unit| {
-            if cancelled.load(Relaxed) {
-                return;
-            }
-            let counters = integrator.run_unit(pass, unit, buffers);
-            // Integer counts: their sum does not depend on the order.
-            match total.lock() {
-                Ok(mut total) => *total += counters,
-                Err(poisoned) => *poisoned.into_inner() += counters,
-            }
-            progress.add_unit(counters);
-        });
-    let counters = total
-        .into_inner()
-        .unwrap_or_else(|poisoned| poisoned.into_inner());
-    (!cancelled.load(Relaxed)).then_some(counters)
 }

@@ -40,6 +40,9 @@ pub enum CausticKernel {
 #[derive(Clone, Copy, Debug)]
 pub struct CausticPerturbation;
 
+/// No move turns by more than a right angle, in radians: neither there nor back.
+pub(super) const LARGEST_TURN: f32 = std::f32::consts::FRAC_PI_2;
+
 /// Index of the vertex whose outgoing direction is turned.
 pub(super) fn head(path: &Path) -> Option<usize> {
     let vertices = path.vertices();
@@ -62,7 +65,7 @@ pub(super) fn largest_angle(path: &Path, head: usize, angle: f32) -> f32 {
         .windows(2)
         .map(|pair| length(&pair[0], &pair[1]))
         .sum();
-    (angle * length(&vertices[0], &vertices[1]) / chain).min(std::f32::consts::FRAC_PI_2)
+    angle * length(&vertices[0], &vertices[1]) / chain
 }
 
 impl CausticPerturbation {
@@ -105,12 +108,9 @@ impl Mutate for CausticPerturbation {
         for index in 2..head {
             factor *= fault::adjoint(space, settings, path, index);
         }
-        if let CausticKernel::Pixels {
-            pixels,
-            angle_of_pixel,
-        } = settings.caustic
-        {
-            let largest = largest_angle(path, head, pixels * angle_of_pixel);
+        // Without the number of pixels, which all paths share: so the target is one for any number.
+        if let CausticKernel::Pixels { angle_of_pixel, .. } = settings.caustic {
+            let largest = largest_angle(path, head, angle_of_pixel);
             factor /= keep(Fault::LargestAngle, largest);
         }
         factor
@@ -132,6 +132,9 @@ impl Mutate for CausticPerturbation {
                 angle_of_pixel,
             } => random.next_f32() * largest_angle(proposal, head, pixels * angle_of_pixel),
         };
+        if angle > LARGEST_TURN {
+            return Err(Rejection::NoWayBack);
+        }
         super::lens_point::perturb(space, settings, proposal, random)?;
         let mut ray = leave_head(space, proposal, head, (angle, random.next_f32()))?;
         for index in (2..head).rev() {

@@ -94,8 +94,8 @@ impl Chain {
         }
         let value = self.proposal.value();
         let target = mutation.target_of_value(space, settings, &self.proposal, value);
-        let choices = choice.probability(&self.proposal, mutation)
-            / choice.probability(&self.current, mutation);
+        let choices = choice.density(space, &self.proposal, &self.current, mutation)
+            / choice.density(space, &self.current, &self.proposal, mutation);
         let choices = settings.fault.keep(Fault::Choice, choices);
         let excess = if settings.fault.is(Fault::Ratio) {
             1.01

@@ -1,7 +1,7 @@
 //! Which mutation comes next.
 
 use super::{CausticPerturbation, Mutate, Mutation};
-use crate::path::Path;
+use crate::path::{Path, PathSpace};
 
 /// Chooses a mutation for a path.
 pub trait Choose {
@@ -10,9 +10,14 @@ pub trait Choose {
     /// - `u`: uniform in `[0, 1)`.
     fn choose(&self, path: &Path, u: f32) -> Option<Mutation>;
 
-    /// Probability of choosing a mutation at a path: the ratio of two of them is part of the
-    /// acceptance.
-    fn probability(&self, path: &Path, mutation: Mutation) -> f64;
+    /// What the choice makes of the density of a move: the ratio of its values for the way back and the
+    /// way there is part of the acceptance.
+    ///
+    /// The probability of choosing the mutation at the path left; or, where any of several mutations may have
+    /// made the move, the density of all of them over that of the one.
+    ///
+    /// - `from`, `to`: the path left and the path proposed.
+    fn density(&self, space: &PathSpace<'_>, from: &Path, to: &Path, mutation: Mutation) -> f64;
 }
 
 /// The choice by a path's signature.
@@ -88,6 +93,12 @@ impl ChoiceAt {
     pub fn is_empty(&self) -> bool {
         self.total <= 0.0
     }
+
+    /// Probability of choosing a mutation.
+    #[inline]
+    pub fn probability(&self, mutation: Mutation) -> f64 {
+        f64::from(self.weights[mutation as usize]) / f64::from(self.total)
+    }
 }
 
 impl Choose for ChoiceAt {
@@ -109,8 +120,8 @@ impl Choose for ChoiceAt {
     }
 
     #[inline]
-    fn probability(&self, _path: &Path, mutation: Mutation) -> f64 {
-        f64::from(self.weights[mutation as usize]) / f64::from(self.total)
+    fn density(&self, _: &PathSpace<'_>, _from: &Path, _to: &Path, mutation: Mutation) -> f64 {
+        self.probability(mutation)
     }
 }
 
@@ -119,7 +130,7 @@ impl Choose for Choice {
         self.at(path).choose(path, u)
     }
 
-    fn probability(&self, path: &Path, mutation: Mutation) -> f64 {
-        self.at(path).probability(path, mutation)
+    fn density(&self, _: &PathSpace<'_>, from: &Path, _to: &Path, mutation: Mutation) -> f64 {
+        self.at(from).probability(mutation)
     }
 }

@@ -4,7 +4,7 @@
 //! density of proposing. Chains use the ratio of [`Mutate::target`](super::Mutate::target), where most of
 //! this has cancelled; the three must agree.
 
-use super::caustic::{head, largest_angle};
+use super::caustic::{LARGEST_TURN, head, largest_angle};
 use super::forward::last_moved;
 use super::{AngleKernel, CausticKernel, Mutation, Perturbation};
 use crate::math::Vec3;
@@ -245,7 +245,7 @@ fn caustic_transition(
                 space.edge(after[0], after[1])?.0,
             );
             let slack = 1e-5 + direction_error(before) + direction_error(after);
-            let is_inside = angle <= f64::from(outer) + slack;
+            let is_inside = angle <= f64::from(outer.min(LARGEST_TURN)) + slack;
             let density = 1.0 / (std::f64::consts::TAU * angle.sin() * f64::from(outer));
             is_inside.then_some(density)?
         }

@@ -20,6 +20,10 @@ pub enum Purpose {
     Chain = 6,
     /// Samples of a layer of direct light.
     Direct = 7,
+    /// How many members of a population a seed begins.
+    Birth = 8,
+    /// Which members of a population survive.
+    Elimination = 9,
 }
 
 /// A stream of uniform numbers at one address.

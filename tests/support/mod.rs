@@ -9,6 +9,7 @@ pub(crate) mod hard_scenes;
 pub(crate) mod materials;
 pub(crate) mod planted;
 pub(crate) mod render;
+pub(crate) mod same_mean;
 pub(crate) mod scenes;
 pub(crate) mod seeds;
 pub(crate) mod source_code;

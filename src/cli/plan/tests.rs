@@ -168,12 +168,14 @@ fn names_in_arguments_are_checked_first() {
     };
     assert_eq!(
         message(&["-i", "pth"]),
-        "unknown integrator \"pth\" (did you mean \"path\"?); there are path, direct, depth, erpt"
+        "unknown integrator \"pth\" (did you mean \"path\"?); there are path, direct, depth, erpt, \
+         pmc-er"
     );
     assert_eq!(
         message(&["--aov", "uv,albdo"]),
         "unknown layer \"albdo\" (did you mean \"albedo\"?); there are albedo, sh_normal, \
-         geo_normal, depth, position, uv, proposals, acceptance, chains, variance"
+         geo_normal, depth, position, uv, proposals, acceptance, chains, strategy, mutations, \
+         population_age, variance"
     );
     check_names(&Words::new(&["-i", "direct", "--aov", "uv"]).wish()).unwrap();
 }

@@ -1,21 +1,15 @@
 //! Energy redistribution path tracing.
 
-mod energy;
-mod noise_filter;
 mod render;
-mod walker;
 
 use super::Algorithm;
-use super::chains::MutationOptions;
-use super::path::depth_limit;
+use super::chains::{MutationOptions, SeedOptions};
 use super::pixel::PixelSettings;
 use super::render::Integrator;
 use crate::energy::FlowRule;
-use crate::path::{PathRules, PathTracing};
 use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
 use crate::sensor::Sensor;
-use noise_filter::NoiseFilter;
 use render::ErptRender;
 
 /// Layers that are made on demand.
@@ -32,24 +26,13 @@ const MUTATIONS_PER_SAMPLE: f64 = 3.0;
 /// Source: Cline et al. 2005; van Antwerpen 2011, Sec. 6.8.
 #[derive(Clone, Copy, Debug)]
 pub struct Erpt {
-    tracing: PathTracing,
-    rules: PathRules,
+    seeds: SeedOptions,
     mutations: MutationOptions,
     flow: Flow,
     /// Steps of a chain.
     chain_length: u32,
-    /// Mutations for each camera sample, in the mean.
-    mutations_per_sample: f64,
-    /// Energy of a deposit; `None` to have it estimated.
-    deposition_energy: Option<f64>,
-    /// Camera samples of that estimate; `None` for some for each pixel.
-    luminance_samples: Option<u32>,
     /// Largest number of chains of a seed.
     chain_cap: u32,
-    /// Further camera samples for each pixel and pass of the layer of direct light; `None` where chains
-    /// carry it, too.
-    direct_samples: Option<u32>,
-    noise_filter: NoiseFilter,
 }
 
 /// Which flow rule, with what belongs to it alone.
@@ -66,42 +49,21 @@ impl Erpt {
     /// # Errors
     /// A value of the wrong kind or out of range.
     pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
-        let tracing = PathTracing {
-            max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
-            rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
-            heuristic: super::heuristic(options)?,
-        };
-        let rules = PathRules {
-            hide_emitters: options.boolean("hide_emitters", false)?,
-            strict_normals: options.boolean("strict_normals", false)?,
-        };
         let chain_length = options.integer("chain_length", 1..=1_000_000, 100)?;
         let chains = options.float("num_chains", 0.0..=1e6, 0.0)?;
-        let mutations_per_sample = options.float(
-            "mutations_per_sample",
-            1e-6..=1e9,
-            if chains > 0.0 {
-                chains * chain_length as f64
-            } else {
-                MUTATIONS_PER_SAMPLE
-            },
-        )?;
-        let deposition_energy = options.float("deposition_energy", 0.0..=f64::INFINITY, 0.0)?;
-        let luminance_samples = options.integer("luminance_samples", 0..=1 << 28, 0)?;
+        let mutations_per_sample = if chains > 0.0 {
+            chains * chain_length as f64
+        } else {
+            MUTATIONS_PER_SAMPLE
+        };
         let cap = options.integer("max_chains", 0..=1 << 24, 1000)?;
         Ok(Self {
-            tracing,
-            rules,
+            seeds: SeedOptions::from_options(options, mutations_per_sample)?,
             mutations: MutationOptions::from_options(options)?,
             flow: flow(options)?,
             chain_length: chain_length as u32,
-            mutations_per_sample,
-            deposition_energy: (deposition_energy > 0.0).then_some(deposition_energy),
-            luminance_samples: (luminance_samples > 0).then_some(luminance_samples as u32),
             // Mitsuba's zero is no limit; ours changes the size of deposits, never the mean.
             chain_cap: if cap == 0 { 1000 } else { cap as u32 },
-            direct_samples: direct_samples(options)?,
-            noise_filter: NoiseFilter::from_options(options)?,
         })
     }
 
@@ -138,13 +100,6 @@ fn flow(options: &mut OptionReader<'_>) -> Result<Flow, OptionError> {
         "iterated" => Flow::Iterated { proposals, depth },
         _ => Flow::Equal { expected },
     })
-}
-
-/// Reads whether direct light is estimated apart, and with how many samples.
-fn direct_samples(options: &mut OptionReader<'_>) -> Result<Option<u32>, OptionError> {
-    let is_separate = options.boolean("separate_direct", true)?;
-    let samples = options.integer("direct_samples", -1..=1 << 16, 0)?;
-    Ok((is_separate && samples >= 0).then_some(samples.max(0) as u32))
 }
 
 impl Algorithm for Erpt {

@@ -1,6 +1,6 @@
 //! Filters against the noise of chains: biased, off unless asked for, in a layer of their own.
 
-use super::render::Places;
+use super::Places;
 use crate::film::Window;
 use crate::math::Rgb;
 use crate::scene::options::{OptionError, OptionReader};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Erpt;
+use super::SeedOptions;
 use crate::integrator::camera::sample_of_film;
 use crate::integrator::pixel::PixelSettings;
 use crate::path::{Path, PathSpace};
@@ -31,13 +31,13 @@ impl MeanEnergy {
     /// Depends on scene, options and seed alone. A poor estimate changes the time of the render, never
     /// its mean.
     pub(super) fn estimate(
-        erpt: &Erpt,
+        seeds: &SeedOptions,
         scene: &Scene,
         sensor: &Sensor,
         settings: &PixelSettings,
     ) -> Self {
         let (width, height) = settings.film_size;
-        let wanted = erpt.luminance_samples.unwrap_or_else(|| {
+        let wanted = seeds.luminance_samples.unwrap_or_else(|| {
             let pixels = width.saturating_mul(height);
             pixels.saturating_mul(SAMPLES_PER_PIXEL).min(MOST_SAMPLES)
         });
@@ -46,12 +46,12 @@ impl MeanEnergy {
         let rows: Vec<Self> = (0..side)
             .into_par_iter()
             .map(|row| {
-                let space = PathSpace::new(scene, sensor, erpt.rules);
+                let space = PathSpace::new(scene, sensor, seeds.rules);
                 let mut path = Path::default();
                 let mut sum = Self::default();
                 for column in 0..side {
                     let cell = (row * side + column, side);
-                    sum.add_sample(erpt, &space, &mut path, settings, cell);
+                    sum.add_sample(seeds, &space, &mut path, settings, cell);
                 }
                 sum
             })
@@ -66,7 +66,7 @@ impl MeanEnergy {
 
     fn add_sample(
         &mut self,
-        erpt: &Erpt,
+        seeds: &SeedOptions,
         space: &PathSpace<'_>,
         path: &mut Path,
         settings: &PixelSettings,
@@ -74,14 +74,15 @@ impl MeanEnergy {
     ) {
         let mut sample = sample_of_film(space.sensor, settings, Purpose::DepositionEnergy, cell);
         let camera = (sample.raster, &sample.ray);
-        erpt.tracing
+        seeds
+            .tracing
             .trace(space, path, camera, &mut sample.sampler, &mut |found| {
                 let luminance = found.luminance();
                 if !luminance.is_finite() {
                     return;
                 }
                 self.image += luminance;
-                if erpt.goes_to_chains(found.edges) {
+                if seeds.goes_to_chains(found.edges) {
                     self.chains += luminance;
                 }
             });

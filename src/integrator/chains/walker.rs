@@ -2,27 +2,64 @@
 
 use glam::DVec3;
 
-use super::render::Work;
+use super::film::Landing;
 use crate::energy::Walker;
-use crate::film::Filter;
 use crate::math::{Rgb, Vec2};
-use crate::mutation::{Chain, ChoiceAt, Proposed};
-use crate::path::{self, Path};
-use crate::random::Stream;
+use crate::mutation::{Chain, Proposed};
+use crate::path::{self, Path, PathSpace};
+use crate::random::{Purpose, Stream};
+
+/// What makes proposals: which mutation comes next, and how large it is.
+pub(in crate::integrator) trait Kernel {
+    /// Prepares for a seed and all that becomes of it; false where nothing can move it.
+    fn prepare(&mut self, seed: &Path) -> bool;
+
+    /// Makes a proposal, see [`Chain::propose`].
+    fn propose(
+        &mut self,
+        chain: &mut Chain,
+        space: &PathSpace<'_>,
+        random: &mut Stream,
+    ) -> Option<Proposed>;
+}
 
 /// Walks over paths, and lets their energy land on layers.
-pub(super) struct PathWalker<'a> {
-    work: &'a Work<'a>,
+pub(in crate::integrator) struct PathWalker<'a, K> {
+    landing: Landing<'a>,
+    /// The paths walked over.
+    pub(in crate::integrator) space: &'a PathSpace<'a>,
+    /// What makes proposals.
+    pub(in crate::integrator) kernel: K,
     random: Stream,
     /// The chain with its statistics.
-    pub(super) chain: Chain,
+    pub(in crate::integrator) chain: Chain,
     seed: Path,
-    /// The mutations that apply to the seed and to all that becomes of it.
-    choice: ChoiceAt,
     levels: Vec<Path>,
     proposed: Option<Proposed>,
     here: State,
     there: State,
+}
+
+/// A chain that waits: what a walker needs to go on with it.
+#[derive(Clone, Debug)]
+pub(in crate::integrator) struct Pause {
+    /// Where the chain is.
+    pub(in crate::integrator) path: Path,
+    /// Its random numbers.
+    pub(in crate::integrator) random: Stream,
+    /// Number of steps in a row that have ended on the path's pixel.
+    stay: u32,
+}
+
+impl Pause {
+    /// A chain that has not begun.
+    pub(in crate::integrator) fn new(path: &Path, random: Stream) -> Self {
+        Self {
+            path: path.clone(),
+            random,
+            stay: 0,
+        }
+    }
 }
 
 /// What a state shows, and the energy that waits there.
@@ -59,17 +96,23 @@ impl State {
     }
 }
 
-impl<'a> PathWalker<'a> {
+impl<'a, K: Kernel> PathWalker<'a, K> {
     /// Makes a walker; all of its memory is allocated here.
     ///
     /// - `levels`: states to keep room for.
-    pub(super) fn new(work: &'a Work<'a>, levels: usize) -> Self {
+    pub(in crate::integrator) fn new(
+        landing: Landing<'a>,
+        space: &'a PathSpace<'a>,
+        kernel: K,
+        levels: usize,
+    ) -> Self {
         Self {
-            work,
-            random: Stream::new(0, crate::random::Purpose::Chain, 0, 0),
+            landing,
+            space,
+            kernel,
+            random: Stream::new(0, Purpose::Chain, 0, 0),
             chain: Chain::default(),
             seed: Path::default(),
-            choice: ChoiceAt::default(),
             levels: vec![Path::default(); levels],
             proposed: None,
             here: State::default(),
@@ -78,25 +121,49 @@ impl<'a> PathWalker<'a> {
     }
 
     /// Sets the random numbers of the chains to come.
-    pub(super) fn draw_from(&mut self, random: Stream) {
+    pub(in crate::integrator) fn draw_from(&mut self, random: Stream) {
         self.random = random;
     }
 
     /// Puts the walker on a seed; false where nothing can move it, or it has no light.
-    pub(super) fn start(&mut self, seed: &Path) -> bool {
+    pub(in crate::integrator) fn start(&mut self, seed: &Path) -> bool {
         self.flush();
-        self.choice = self.work.mutations.choice.at(seed);
-        if self.choice.is_empty() || seed.colour().is_none() {
+        if !self.kernel.prepare(seed) || seed.colour().is_none() {
             return false;
         }
         self.seed.copy_from(seed);
         true
     }
 
+    /// Goes on with a chain.
+    pub(in crate::integrator) fn resume(&mut self, pause: &Pause) {
+        self.flush();
+        self.chain.start(&pause.path);
+        self.random.clone_from(&pause.random);
+        self.here = State {
+            stay: pause.stay,
+            ..State::of(&pause.path).unwrap_or_default()
+        };
+    }
+
+    /// A stream of random numbers for a chain that begins at this one.
+    pub(in crate::integrator) fn fork(&mut self) -> Stream {
+        let seed = u64::from(self.random.next_u32()) << 32 | u64::from(self.random.next_u32());
+        Stream::new(seed, Purpose::Chain, 0, 0)
+    }
+
+    /// Leaves a chain for now.
+    pub(in crate::integrator) fn pause(&mut self, pause: &mut Pause) {
+        self.flush();
+        pause.path.copy_from(self.chain.current());
+        pause.random.clone_from(&self.random);
+        pause.stay = self.here.stay;
+    }
+
     /// Lets all energy that waits land.
-    pub(super) fn flush(&mut self) {
+    pub(in crate::integrator) fn flush(&mut self) {
         let state = self.here;
-        self.work
+        self.landing
             .land(state.raster, state.colour, (state.energy, state.limited));
         self.here.energy = 0.0;
         self.here.limited = 0.0;
@@ -104,27 +171,14 @@ impl<'a> PathWalker<'a> {
 
     /// How much of an energy the limit on consecutive samples lets through at a raster position.
     fn limited(&self, raster: Vec2, energy: f64) -> f64 {
-        match self.work.consecutive_limit {
+        match self.landing.consecutive_limit {
             Some(limit) if self.here.stay >= limit && raster.floor() == self.here.pixel() => 0.0,
             _ => energy,
         }
     }
-
-    fn count_proposal(&self, acceptance: f64) {
-        let Some(raster) = self.chain.tried() else {
-            return;
-        };
-        let pixel = Filter::pixel_box();
-        if let Some(proposals) = self.work.proposals {
-            proposals.add(&pixel, raster, [1.0]);
-        }
-        if let Some(layer) = self.work.acceptance {
-            layer.add(&pixel, raster, [acceptance as f32]);
-        }
-    }
 }
 
-impl Walker for PathWalker<'_> {
+impl<K: Kernel> Walker for PathWalker<'_, K> {
     fn restart(&mut self) {
         self.flush();
         self.chain.start(&self.seed);
@@ -133,13 +187,9 @@ impl Walker for PathWalker<'_> {
 
     #[inline]
     fn propose(&mut self) -> f64 {
-        let work = self.work;
-        self.proposed = self.chain.propose(
-            &work.space,
-            &work.perturbation,
-            &self.choice,
-            &mut self.random,
-        );
+        self.proposed = self
+            .kernel
+            .propose(&mut self.chain, self.space, &mut self.random);
         let mut acceptance = 0.0;
         if let Some(proposed) = self.proposed {
             match State::new(self.chain.proposal().raster(), proposed.value) {
@@ -153,8 +203,12 @@ impl Walker for PathWalker<'_> {
                 }
             }
         }
-        if work.proposals.is_some() || work.acceptance.is_some() {
-            self.count_proposal(acceptance);
+        if let Some(tried) = self
+            .chain
+            .tried()
+            .filter(|_| self.landing.counts_proposals())
+        {
+            self.landing.count_proposal(tried, acceptance);
         }
         acceptance
     }
@@ -186,7 +240,7 @@ impl Walker for PathWalker<'_> {
     fn deposit_there(&mut self, energy: f64) {
         let there = self.there;
         let limited = self.limited(there.raster, energy);
-        self.work
+        self.landing
             .land(there.raster, there.colour, (energy, limited));
     }
 

@@ -1,4 +1,4 @@
-//! What all algorithms that run Markov chains of paths share: their options.
+//! Options about mutations.
 
 use crate::math::Vec2;
 use crate::mutation::{
@@ -9,14 +9,14 @@ use crate::sensor::{Sensor, SensorModel};
 
 /// How paths are mutated, as options say.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct MutationOptions {
+pub(in crate::integrator) struct MutationOptions {
     raster: RasterKernel,
     angle: AngleKernel,
     /// Reach of caustic moves on the image in pixels; zero for angles whose logarithm is uniform.
     caustic_pixels: f32,
     lens: f32,
     /// Which mutation comes next.
-    pub(super) choice: Choice,
+    pub(in crate::integrator) choice: Choice,
 }
 
 impl MutationOptions {
@@ -24,7 +24,9 @@ impl MutationOptions {
     ///
     /// # Errors
     /// A value of the wrong kind or out of range.
-    pub(super) fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
+    pub(in crate::integrator) fn from_options(
+        options: &mut OptionReader<'_>,
+    ) -> Result<Self, OptionError> {
         let shape = options.choice("lens_shape", &["square", "disk", "log"], "square")?;
         let size = options.float("lens_size", 1e-3..=1e5, 9.0)? as f32;
         let smallest = options.float("lens_smallest", 1e-4..=1e5, 0.1)? as f32;
@@ -39,16 +41,11 @@ impl MutationOptions {
             },
             _ => RasterKernel::Square { side: size },
         };
-        let outer = options.float("angle_largest", 1e-6..=std::f64::consts::PI, 0.1)? as f32;
-        let inner = options.float("angle_smallest", 1e-7..=std::f64::consts::PI, 1e-4)? as f32;
-        if inner >= outer {
-            return Err(options.refused("angle_smallest", "less than angle_largest"));
-        }
         Ok(Self {
             raster,
-            angle: AngleKernel { inner, outer },
+            angle: angle_kernel(options)?,
             caustic_pixels: options.float("caustic_pixels", 0.0..=1e5, 0.0)? as f32,
-            lens: options.float("lens_aperture", 0.0..=2.0, 0.25)? as f32,
+            lens: lens_aperture(options)?,
             choice: choice(options)?,
         })
     }
@@ -56,18 +53,16 @@ impl MutationOptions {
     /// The moves for one film and sensor.
     ///
     /// - `domain`: where paths are seen.
-    pub(super) fn perturbation(
+    pub(in crate::integrator) fn perturbation(
         &self,
         sensor: &Sensor,
         film_size: (u32, u32),
         domain: RasterDomain,
     ) -> Perturbation {
         let caustic = if self.caustic_pixels > 0.0 {
-            let middle = Vec2::new(film_size.0 as f32, film_size.1 as f32) * 0.5;
-            let seen = sensor.sample_ray(middle, Vec2::splat(0.5)).direction;
             CausticKernel::Pixels {
                 pixels: self.caustic_pixels,
-                angle_of_pixel: 1.0 / sensor.pixels_per_steradian(seen).sqrt(),
+                angle_of_pixel: angle_of_pixel(sensor, film_size),
             }
         } else {
             CausticKernel::Logarithmic(self.angle)
@@ -81,6 +76,32 @@ impl MutationOptions {
             fault: Fault::None,
         }
     }
+}
+
+/// Angle that a pixel in the middle of the image subtends, in radians.
+pub(in crate::integrator) fn angle_of_pixel(sensor: &Sensor, film_size: (u32, u32)) -> f32 {
+    let middle = Vec2::new(film_size.0 as f32, film_size.1 as f32) * 0.5;
+    let seen = sensor.sample_ray(middle, Vec2::splat(0.5)).direction;
+    1.0 / sensor.pixels_per_steradian(seen).sqrt()
+}
+
+/// Reads how far directions inside of the scene are turned.
+pub(in crate::integrator) fn angle_kernel(
+    options: &mut OptionReader<'_>,
+) -> Result<AngleKernel, OptionError> {
+    let outer = options.float("angle_largest", 1e-6..=std::f64::consts::PI, 0.1)? as f32;
+    let inner = options.float("angle_smallest", 1e-7..=std::f64::consts::PI, 1e-4)? as f32;
+    if inner >= outer {
+        return Err(options.refused("angle_smallest", "less than angle_largest"));
+    }
+    Ok(AngleKernel { inner, outer })
+}
+
+/// Reads how far points on the lens move, in radii of the lens.
+pub(in crate::integrator) fn lens_aperture(
+    options: &mut OptionReader<'_>,
+) -> Result<f32, OptionError> {
+    Ok(options.float("lens_aperture", 0.0..=2.0, 0.25)? as f32)
 }
 
 /// Reads which mutations are used, and how one is chosen.

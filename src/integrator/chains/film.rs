@@ -1,0 +1,272 @@
+//! The film of a render by chains: camera samples, seeds, and where their energy lands.
+
+use super::energy::MeanEnergy;
+use super::{Places, SeedOptions};
+use crate::film::{Filter, Layer, PassBuffer, Unit};
+use crate::integrator::aov;
+use crate::integrator::camera::{CameraSample, SampledWindow};
+use crate::integrator::pixel::PixelSettings;
+use crate::math::{Rgb, Vec2};
+use crate::mutation::RasterDomain;
+use crate::path::{Found, Path, PathSpace, PathTracing};
+use crate::random::{Purpose, SamplerKind};
+use crate::scene::Scene;
+use crate::sensor::Sensor;
+
+/// Everything of a render that does not depend on how chains run.
+pub(in crate::integrator) struct ChainFilm<'s> {
+    scene: &'s Scene,
+    pub(in crate::integrator) sensor: &'s Sensor,
+    seeds: &'s SeedOptions,
+    pub(in crate::integrator) settings: PixelSettings,
+    pub(in crate::integrator) sampled: SampledWindow,
+    /// Where paths are seen.
+    pub(in crate::integrator) domain: RasterDomain,
+    /// Energy of a deposit, as luminance.
+    pub(in crate::integrator) deposit: f64,
+    pub(in crate::integrator) places: Places,
+    pub(in crate::integrator) layers: Vec<Layer>,
+    unit: Unit,
+}
+
+/// Where one unit of work lets energy land.
+#[derive(Clone, Copy)]
+pub(in crate::integrator) struct Landing<'a> {
+    filter: &'a Filter,
+    redistributed: &'a PassBuffer,
+    filtered: Option<&'a PassBuffer>,
+    proposals: Option<&'a PassBuffer>,
+    acceptance: Option<&'a PassBuffer>,
+    /// After how many steps in a row on one pixel the filtered layer takes no more energy.
+    pub(super) consecutive_limit: Option<u32>,
+}
+
+impl Landing<'_> {
+    /// Lets energy of a colour land.
+    ///
+    /// - `energy`: as luminance; the second number goes to the filtered layer.
+    #[inline]
+    pub(super) fn land(&self, raster: Vec2, colour: Rgb, energy: (f64, f64)) {
+        if energy.0 > 0.0 {
+            let value = (colour * energy.0 as f32).to_array();
+            self.redistributed.add(self.filter, raster, value);
+        }
+        if let Some(filtered) = self.filtered.filter(|_| energy.1 > 0.0) {
+            let value = (colour * energy.1 as f32).to_array();
+            filtered.add(self.filter, raster, value);
+        }
+    }
+
+    /// Lets a path's energy land where it is.
+    pub(in crate::integrator) fn land_unmoved(&self, raster: Vec2, energy: Rgb) {
+        self.land(raster, energy, (1.0, 1.0));
+    }
+
+    /// True when proposals are counted.
+    #[inline]
+    pub(super) fn counts_proposals(&self) -> bool {
+        self.proposals.is_some() || self.acceptance.is_some()
+    }
+
+    /// Counts a proposal.
+    pub(super) fn count_proposal(&self, raster: Vec2, acceptance: f64) {
+        let pixel = Filter::pixel_box();
+        if let Some(proposals) = self.proposals {
+            proposals.add(&pixel, raster, [1.0]);
+        }
+        if let Some(layer) = self.acceptance {
+            layer.add(&pixel, raster, [acceptance as f32]);
+        }
+    }
+}
+
+impl<'s> ChainFilm<'s> {
+    /// Prepares a render: makes the estimate that fixes the energy of a deposit and the film's unit.
+    pub(in crate::integrator) fn new(
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        seeds: &'s SeedOptions,
+        settings: PixelSettings,
+    ) -> Self {
+        let mean = MeanEnergy::estimate(seeds, scene, sensor, &settings);
+        let sampled = SampledWindow::new(&settings);
+        let low = Vec2::new(sampled.x as f32, sampled.y as f32);
+        let size = Vec2::new(sampled.width as f32, sampled.height as f32);
+        let (layers, places) = Places::new(seeds, &settings);
+        Self {
+            scene,
+            sensor,
+            seeds,
+            sampled,
+            domain: RasterDomain {
+                low,
+                high: low + size,
+            },
+            deposit: seeds.deposit(&mean),
+            unit: Unit::for_magnitude(mean.image),
+            places,
+            layers,
+            settings,
+        }
+    }
+
+    /// The space of paths, with a count of rays of its own.
+    pub(in crate::integrator) fn space(&self) -> PathSpace<'s> {
+        PathSpace::new(self.scene, self.sensor, self.seeds.rules)
+    }
+
+    /// Where energy lands.
+    pub(in crate::integrator) fn landing<'a>(&'a self, layers: &'a [PassBuffer]) -> Landing<'a> {
+        let places = self.places;
+        let layer = |place: Option<usize>| place.map(|place| &layers[place]);
+        Landing {
+            filter: &self.settings.filter,
+            redistributed: &layers[places.redistributed],
+            filtered: layer(places.filtered),
+            proposals: layer(places.proposals),
+            acceptance: layer(places.acceptance),
+            consecutive_limit: self.seeds.noise_filter.consecutive_limit(),
+        }
+    }
+
+    /// Traces the camera sample of a pixel, and the further ones of direct light; hands out every path whose
+    /// energy goes to chains. Returns where the sample is seen.
+    ///
+    /// - `path`: working memory.
+    /// - `spread`: spreads the energy of a seed; false where it cannot, so that it lands where it is.
+    pub(in crate::integrator) fn sample_pixel(
+        &self,
+        pixel: (i32, i32),
+        pass: u32,
+        (space, path): (&PathSpace<'_>, &mut Path),
+        layers: &[PassBuffer],
+        mut spread: impl FnMut(&Path, f64) -> bool,
+    ) -> Vec2 {
+        let settings = &self.settings;
+        let mut sample = CameraSample::of_pixel(self.sensor, settings, pixel, Purpose::Pixel, pass);
+        let raster = sample.raster;
+        let landing = self.landing(layers);
+        let mut direct = Rgb::BLACK;
+        let mut take = |found: Found<'_>| {
+            if !self.seeds.goes_to_chains(found.edges) {
+                direct += found.energy;
+                return;
+            }
+            let energy = found.luminance();
+            let seed = found.path.filter(|_| energy > 0.0 && energy.is_finite());
+            if !seed.is_some_and(|seed| spread(seed, energy)) {
+                landing.land_unmoved(raster, found.energy);
+            }
+        };
+        let camera = (raster, &sample.ray);
+        let tracing = &self.seeds.tracing;
+        let alpha = tracing.trace(space, path, camera, &mut sample.sampler, &mut take);
+        if let Some(place) = self.places.direct {
+            let value = (direct * self.direct_weight()).to_array();
+            layers[place].add(&settings.filter, raster, value);
+        }
+        if settings.alpha {
+            layers[0].add(&settings.filter, raster, [0.0, 0.0, 0.0, alpha]);
+        }
+        if !settings.aovs.is_empty() {
+            let first = space.meet(sample.ray.to_ray(), false);
+            let aovs = &layers[self.places.first_aov..];
+            aov::add_all(settings, first.as_ref(), raster, aovs);
+        }
+        self.sample_direct(pixel, pass, (space, path), layers);
+        raster
+    }
+
+    /// Weight of each of a pixel's samples of direct light in a pass: its own camera sample and the
+    /// further ones.
+    fn direct_weight(&self) -> f32 {
+        1.0 / (self.seeds.direct_samples.unwrap_or(0) + 1) as f32
+    }
+
+    /// Estimates the light of at most two edges in a pixel by further camera samples.
+    ///
+    /// The further samples of one pass are spread against each other, and passes are independent.
+    fn sample_direct(
+        &self,
+        pixel: (i32, i32),
+        pass: u32,
+        (space, path): (&PathSpace<'_>, &mut Path),
+        layers: &[PassBuffer],
+    ) {
+        let (Some(samples), Some(place)) = (self.seeds.direct_samples, self.places.direct) else {
+            return;
+        };
+        if samples == 0 {
+            return;
+        }
+        let kind = SamplerKind::Sobol;
+        let settings = PixelSettings {
+            sampler: kind,
+            aovs: Vec::new(),
+            own_layers: Vec::new(),
+            ..self.settings
+        };
+        let tracing = PathTracing {
+            max_depth: self.seeds.tracing.max_depth.min(2),
+            ..self.seeds.tracing
+        };
+        let stride = samples.next_multiple_of(kind.group());
+        for index in 0..samples {
+            let number = pass.wrapping_mul(stride).wrapping_add(index);
+            let mut sample =
+                CameraSample::of_pixel(self.sensor, &settings, pixel, Purpose::Direct, number);
+            let mut sum = Rgb::BLACK;
+            let camera = (sample.raster, &sample.ray);
+            let mut add = |found: Found<'_>| sum += found.energy;
+            tracing.trace(space, path, camera, &mut sample.sampler, &mut add);
+            let value = (sum * self.direct_weight()).to_array();
+            layers[place].add(&settings.filter, sample.raster, value);
+        }
+    }
+
+    /// The fixed-point unit of each layer.
+    pub(in crate::integrator) fn units(&self) -> Vec<Unit> {
+        let mut units = vec![self.unit; self.places.first_aov];
+        for place in self.places.counts() {
+            units[place] = Unit::for_magnitude(1.0);
+        }
+        let bounds = self.scene.bounds();
+        units.extend(self.settings.aovs.iter().map(|aov| aov.unit(bounds)));
+        units
+    }
+
+    /// Ends a pass: the image is the sum of its parts.
+    pub(in crate::integrator) fn finish_pass(&self, layers: &mut [PassBuffer]) {
+        let (beauty, parts) = layers.split_at_mut(1);
+        for place in self
+            .places
+            .direct
+            .into_iter()
+            .chain([self.places.redistributed])
+        {
+            beauty[0].add_buffer(&mut parts[place - 1]);
+        }
+    }
+
+    /// Whether the spread of a layer's replicas tells the noise of something that is looked at.
+    pub(in crate::integrator) fn has_variance(layer: &Layer) -> bool {
+        matches!(layer.name.as_str(), "" | "direct" | "redistributed")
+    }
+
+    /// Turns sums into means, and makes the filtered layer.
+    pub(in crate::integrator) fn resolve(&self, means: &mut [Vec<f32>]) {
+        self.seeds
+            .noise_filter
+            .resolve(&self.places, self.settings.window, means);
+        for (sum, count) in self.places.ratios() {
+            let counts = std::mem::take(&mut means[count]);
+            let channels = means[sum].len() / counts.len().max(1);
+            for (values, count) in means[sum].chunks_mut(channels.max(1)).zip(&counts) {
+                for value in values {
+                    *value /= count.max(f32::MIN_POSITIVE);
+                }
+            }
+            means[count] = counts;
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! What all algorithms share that run Markov chains of paths: where seeds come from, how paths are
+//! mutated, where energy lands.
+
+mod energy;
+mod film;
+mod layers;
+mod mutations;
+mod noise_filter;
+mod options;
+mod walker;
+
+pub(super) use film::ChainFilm;
+pub(super) use layers::Places;
+pub(super) use mutations::{MutationOptions, angle_kernel, angle_of_pixel, lens_aperture};
+pub(super) use options::SeedOptions;
+pub(super) use walker::{Kernel, PathWalker, Pause};

@@ -1,0 +1,81 @@
+//! Options about seeds and the energy of deposits.
+
+use super::noise_filter::NoiseFilter;
+use crate::integrator::path::depth_limit;
+use crate::path::{PathRules, PathTracing};
+use crate::scene::options::{OptionError, OptionReader};
+
+/// How seeds are found, and how much energy a deposit has.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrator) struct SeedOptions {
+    /// How seeds are traced.
+    pub(in crate::integrator) tracing: PathTracing,
+    /// What paths are.
+    pub(in crate::integrator) rules: PathRules,
+    /// Mutations for each camera sample, in the mean.
+    pub(in crate::integrator) mutations_per_sample: f64,
+    /// Energy of a deposit; `None` to have it estimated.
+    deposition_energy: Option<f64>,
+    /// Camera samples of that estimate; `None` for some for each pixel.
+    pub(super) luminance_samples: Option<u32>,
+    /// Further camera samples for each pixel and pass of the layer of direct light; `None` where chains
+    /// carry it, too.
+    pub(super) direct_samples: Option<u32>,
+    pub(super) noise_filter: NoiseFilter,
+}
+
+impl SeedOptions {
+    /// Reads the options; the names of Mitsuba 0.6's element mean what they mean there.
+    ///
+    /// - `mutations_per_sample`: its default.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub(in crate::integrator) fn from_options(
+        options: &mut OptionReader<'_>,
+        mutations_per_sample: f64,
+    ) -> Result<Self, OptionError> {
+        let tracing = PathTracing {
+            max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
+            rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
+            heuristic: crate::integrator::heuristic(options)?,
+        };
+        let rules = PathRules {
+            hide_emitters: options.boolean("hide_emitters", false)?,
+            strict_normals: options.boolean("strict_normals", false)?,
+        };
+        let mutations_per_sample =
+            options.float("mutations_per_sample", 1e-6..=1e9, mutations_per_sample)?;
+        let deposition_energy = options.float("deposition_energy", 0.0..=f64::INFINITY, 0.0)?;
+        let luminance_samples = options.integer("luminance_samples", 0..=1 << 28, 0)?;
+        Ok(Self {
+            tracing,
+            rules,
+            mutations_per_sample,
+            deposition_energy: (deposition_energy > 0.0).then_some(deposition_energy),
+            luminance_samples: (luminance_samples > 0).then_some(luminance_samples as u32),
+            direct_samples: direct_samples(options)?,
+            noise_filter: NoiseFilter::from_options(options)?,
+        })
+    }
+
+    /// Energy of a deposit.
+    pub(super) fn deposit(&self, mean: &super::energy::MeanEnergy) -> f64 {
+        self.deposition_energy
+            .unwrap_or_else(|| mean.deposit(self.mutations_per_sample))
+    }
+
+    /// Whether the energy of paths of so many edges goes to chains.
+    ///
+    /// Both classes are closed under all mutations, so that nothing leaks.
+    pub(super) fn goes_to_chains(&self, edges: u32) -> bool {
+        self.direct_samples.is_none() || edges > 2
+    }
+}
+
+/// Reads whether direct light is estimated apart, and with how many samples.
+fn direct_samples(options: &mut OptionReader<'_>) -> Result<Option<u32>, OptionError> {
+    let is_separate = options.boolean("separate_direct", true)?;
+    let samples = options.integer("direct_samples", -1..=1 << 16, 0)?;
+    Ok((is_separate && samples >= 0).then_some(samples.max(0) as u32))
+}
