@@ -3,6 +3,7 @@
 mod bench;
 mod compare;
 mod interrupt;
+mod race;
 mod render;
 
 use std::fs;

@@ -9,6 +9,8 @@ pub(super) enum Goal {
     Passes(u32),
     /// This long, in whole passes, at least one.
     Time(Duration),
+    /// So much processor time, all threads together, in whole passes, at least one.
+    CpuTime(Duration),
 }
 
 /// Times of the passes of a render, to tell how long the next one will take.
@@ -27,6 +29,8 @@ const RECENT: usize = 4;
 
 impl Budget {
     /// Starts the account.
+    ///
+    /// Times are those of the goal's own clock.
     ///
     /// - `prepared`: time since the start of the render when the first pass can begin.
     pub(super) fn new(goal: Goal, prepared: Duration) -> Self {
@@ -47,14 +51,16 @@ impl Budget {
         if passes > self.passes {
             let time = elapsed.saturating_sub(self.last);
             self.recent[passes as usize % RECENT] = time;
-            self.total += time;
+            self.total = self.total.saturating_add(time);
             self.passes = passes;
         }
         self.last = elapsed;
         match self.goal {
             Goal::Passes(wanted) => passes < wanted,
-            Goal::Time(_) if passes == 0 => true,
-            Goal::Time(limit) => elapsed + self.expected() <= limit,
+            Goal::Time(_) | Goal::CpuTime(_) if passes == 0 => true,
+            Goal::Time(limit) | Goal::CpuTime(limit) => {
+                elapsed.saturating_add(self.expected()) <= limit
+            }
         }
     }
 
@@ -68,7 +74,9 @@ impl Budget {
     pub(super) fn overrun(&self, elapsed: Duration) -> Option<Duration> {
         match self.goal {
             Goal::Passes(_) => None,
-            Goal::Time(limit) => elapsed.checked_sub(limit).filter(|over| !over.is_zero()),
+            Goal::Time(limit) | Goal::CpuTime(limit) => {
+                elapsed.checked_sub(limit).filter(|over| !over.is_zero())
+            }
         }
     }
 }

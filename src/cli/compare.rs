@@ -142,6 +142,7 @@ impl Findings {
         json!({
             "pixels": found.pixels,
             "mse": found.mse,
+            "err": found.luminance_mse,
             "relmse": found.relative_mse,
             "reference_noise": found.reference_noise,
             "relmse_corrected": found.corrected_relative_mse(),

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -21,6 +21,17 @@ use crate::scene::import::{Imported, View};
 /// Number of threads that run at once on this machine.
 pub(super) fn all_cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Whether the system tells how much processor time this process took.
+///
+/// # Errors
+/// When it does not.
+pub(super) fn check_cpu_clock() -> Result<(), Failure> {
+    let clock = ProcessTime::try_now();
+    clock
+        .map(|_| ())
+        .map_err(|error| Failure::File(format!("the system tells no processor time: {error}")))
 }
 
 /// Threads to render with.
@@ -73,13 +84,14 @@ impl Job<'_> {
         let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
         let (scene, sensor) = (&self.imported.scene, &self.view.sensor);
         let work = self.plan.integrator.start(scene, sensor, self.settings());
-        let mut budget = Budget::new(self.goal, start.elapsed());
+        let elapsed = || self.elapsed(start, cpu);
+        let mut budget = Budget::new(self.goal, elapsed());
         let progress = Progress::default();
         let mut passes = || {
             let keep_variance = |layer: &Layer| self.plan.variance && work.has_variance(layer);
             let cancelled = interruption.cancelled();
             render(&*work, keep_variance, cancelled, &progress, |step| {
-                if budget.allows_another(step.passes, start.elapsed()) {
+                if budget.allows_another(step.passes, elapsed()) {
                     ControlFlow::Continue(())
                 } else {
                     ControlFlow::Break(())
@@ -93,13 +105,13 @@ impl Job<'_> {
                     name,
                     goal: self.goal,
                     start,
-                    units_per_pass: work.unit_count(),
-                    progress: &progress,
+                    cpu,
+                    work: Some((work.unit_count(), &progress)),
                 };
                 monitor.during(passes)
             }
         };
-        let wall = start.elapsed();
+        let (wall, of_goal) = (start.elapsed(), elapsed());
         let cpu_seconds = cpu.and_then(|cpu| cpu.try_elapsed().ok());
         Finished {
             rendered,
@@ -108,7 +120,18 @@ impl Job<'_> {
                 cpu_seconds: cpu_seconds.map_or(f64::NAN, |time| time.as_secs_f64()),
                 threads: self.threads,
             },
-            overrun: budget.overrun(wall).map(|over| over.as_secs_f64()),
+            overrun: budget.overrun(of_goal).map(|over| over.as_secs_f64()),
+        }
+    }
+
+    /// Time since the start by the clock that the goal means; endless where there is no such clock.
+    fn elapsed(&self, start: Instant, cpu: Option<ProcessTime>) -> Duration {
+        match self.goal {
+            Goal::CpuTime(_) => {
+                let spent = cpu.and_then(|cpu| cpu.try_elapsed().ok());
+                spent.unwrap_or(Duration::MAX)
+            }
+            Goal::Passes(_) | Goal::Time(_) => start.elapsed(),
         }
     }
 

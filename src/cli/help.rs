@@ -7,8 +7,8 @@ use crate::scene::options::{OptionReader, Options};
 
 /// Below the list of commands.
 pub(super) const EXIT_CODES: &str = "\
-Exit codes: 0 done, 2 wrong use, 3 broken scene, 4 a file cannot be read or written,
-70 a bug of ours, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.";
+Exit codes: 0 done, 2 wrong use, 3 broken scene, 4 a file cannot be read or written, or a program
+that bench races failed, 70 a bug of ours, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.";
 
 /// Below the short help of `render`.
 pub(super) const RENDER_EXAMPLES: &str = "\
@@ -39,15 +39,19 @@ Examples:
 
 /// Below the help of `bench`.
 pub(super) const BENCH_EXAMPLES: &str = "\
-Renders each scene with each integrator, budget and seed, and prints a table. Its efficiency is
-(relMSE - the reference's noise) x CPU seconds: for an unbiased integrator a constant, lower is
-better. Nothing else should run on the machine.
+Renders each scene with each integrator, budget and seed, and prints tables. The constant in them is
+that of efficiency, (relMSE - the reference's noise) x CPU seconds: for an unbiased integrator it
+does not depend on the budget; lower is better. Nothing else should run on the machine.
 
 Examples:
   lumiflow bench scenes/*/scene.xml --time 5,20 --seeds 5 -o bench
   lumiflow bench box.xml -i path,direct --set path.max_depth=2 --spp 64 --reference box-ref.exr
+  lumiflow bench box.xml -i erpt,erpt:mutations_per_sample=3 --cpu 5,20,80 -o bench
+  lumiflow bench box.xml -i path --time 20 -o bench \\
+      --peer 'other=other-renderer --time {seconds} --seed {seed} -o {out} {scene}'
 
-Ctrl-C ends the render under way and prints what is complete; a second one ends at once.";
+Ctrl-C ends the render under way and prints what is complete; a second one ends at once. With -o, the
+same call goes on where it was interrupted.";
 
 /// What the options of the integrators mean.
 const OPTIONS: &[(&str, &str)] = &[

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
+use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::budget::Goal;
@@ -23,10 +24,10 @@ pub(super) struct Monitor<'a> {
     pub(super) goal: Goal,
     /// When it began.
     pub(super) start: Instant,
-    /// Units of work in a pass.
-    pub(super) units_per_pass: u32,
-    /// What it has done.
-    pub(super) progress: &'a Progress,
+    /// Its processor time, from the same moment on.
+    pub(super) cpu: Option<ProcessTime>,
+    /// Units of work in a pass, and what it has done; `None` where only the time is known.
+    pub(super) work: Option<(u32, &'a Progress)>,
 }
 
 /// Ends the watching thread, also when the work panics.
@@ -47,9 +48,8 @@ impl Drop for Stop<'_> {
 struct Status {
     /// Share of the work, or of the time, 0 to 1.
     share: f64,
-    /// Millions a second.
-    samples: f64,
-    rays: f64,
+    /// Millions of samples and of rays a second.
+    rates: Option<(f64, f64)>,
     /// Seconds left, once there is something to tell them from.
     left: Option<f64>,
 }
@@ -114,38 +114,47 @@ impl Monitor<'_> {
         let per_second = |count: u64| count as f64 / elapsed.max(1e-9) / 1e6;
         let (share, left) = match self.goal {
             Goal::Passes(passes) => {
-                let all = f64::from(passes) * f64::from(self.units_per_pass);
-                let share = (self.progress.units() as f64 / all).min(1.0);
-                (
-                    share,
-                    (share > 0.0).then(|| elapsed * (1.0 - share) / share),
-                )
+                let done = self.work.map_or(0.0, |(units_per_pass, progress)| {
+                    let all = f64::from(passes) * f64::from(units_per_pass);
+                    progress.units() as f64 / all
+                });
+                by_share(elapsed, done)
             }
             Goal::Time(limit) => {
                 let limit = limit.as_secs_f64();
                 ((elapsed / limit).min(1.0), Some((limit - elapsed).max(0.0)))
             }
+            Goal::CpuTime(limit) => {
+                let spent = self.cpu.and_then(|cpu| cpu.try_elapsed().ok());
+                let spent = spent.map_or(0.0, |time| time.as_secs_f64());
+                by_share(elapsed, spent / limit.as_secs_f64())
+            }
         };
         Status {
             share,
-            samples: per_second(self.progress.paths()),
-            rays: per_second(self.progress.rays()),
+            rates: self
+                .work
+                .map(|(_, progress)| (per_second(progress.paths()), per_second(progress.rays()))),
             left,
         }
     }
 }
 
+/// The share, one at most, and the time left if the rest goes on as before.
+fn by_share(elapsed: f64, share: f64) -> (f64, Option<f64>) {
+    let share = share.min(1.0);
+    let left = (share > 0.0).then(|| elapsed * (1.0 - share) / share);
+    (share, left)
+}
+
 impl std::fmt::Display for Status {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{:.2} Msamples/s, {:.2} Mrays/s",
-            self.samples, self.rays
-        )?;
-        match self.left {
-            Some(left) => write!(f, ", {} left", duration(left)),
-            None => Ok(()),
-        }
+        let rates = self.rates;
+        let rates =
+            rates.map(|(samples, rays)| format!("{samples:.2} Msamples/s, {rays:.2} Mrays/s"));
+        let left = self.left.map(|left| format!("{} left", duration(left)));
+        let parts: Vec<String> = rates.into_iter().chain(left).collect();
+        f.write_str(&parts.join(", "))
     }
 }
 
@@ -158,8 +167,8 @@ mod tests {
             name: "box",
             goal,
             start: Instant::now(),
-            units_per_pass: 10,
-            progress,
+            cpu: ProcessTime::try_now().ok(),
+            work: Some((10, progress)),
         }
     }
 
@@ -171,6 +180,18 @@ mod tests {
         assert_eq!((status.share, status.left), (0.25, Some(30.0)));
         let late = monitor(goal, &progress).status(Duration::from_secs(50));
         assert_eq!((late.share, late.left), (1.0, Some(0.0)));
+    }
+
+    #[test]
+    fn processor_time_goes_by_its_own_clock() {
+        let progress = Progress::default();
+        let mut monitor = monitor(Goal::CpuTime(Duration::from_secs(1_000_000)), &progress);
+        let status = monitor.status(Duration::from_secs(10));
+        assert!(status.share < 0.01, "{status:?}");
+        monitor.work = None;
+        let text = monitor.status(Duration::from_secs(10)).to_string();
+        assert!(!text.contains("samples"), "{text}");
+        assert_eq!(by_share(10.0, 0.25), (0.25, Some(30.0)));
     }
 
     #[test]

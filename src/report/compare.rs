@@ -22,6 +22,10 @@ pub struct Comparison {
     pub pixels: usize,
     /// Mean squared difference over pixels and channels.
     pub mse: f64,
+    /// Mean squared difference of luminance over pixels.
+    ///
+    /// Source: Lai et al. 2007 (`Err`).
+    pub luminance_mse: f64,
     /// Mean of `(I − R)² / (R² + 0.01)`.
     pub relative_mse: f64,
     /// Share of `relative_mse` that is the reference's own noise, mean of `Var R / (R² + 0.01)`;
@@ -52,6 +56,7 @@ pub fn compare(subject: &Subject<'_>) -> Comparison {
     Comparison {
         pixels: sums.pixels,
         mse: sums.squared / values,
+        luminance_mse: sums.luminance_squared / sums.pixels as f64,
         relative_mse: sums.relative / values,
         reference_noise: has_reference_variance.then(|| sums.reference_noise / values),
         ratios: std::array::from_fn(|quantity| sums.ratio(quantity, both)),
@@ -62,6 +67,7 @@ pub fn compare(subject: &Subject<'_>) -> Comparison {
 struct Sums {
     pixels: usize,
     squared: f64,
+    luminance_squared: f64,
     relative: f64,
     reference_noise: f64,
     image: [f64; QUANTITIES],
@@ -87,8 +93,10 @@ impl Sums {
             self.relative += difference * difference / scale;
             self.reference_noise += f64::from(reference_variance[channel]) / scale;
         }
-        accumulate(&mut self.image, quantities(own));
-        accumulate(&mut self.reference, quantities(other));
+        let (of_image, of_reference) = (quantities(own), quantities(other));
+        self.luminance_squared += (of_image[0] - of_reference[0]).powi(2);
+        accumulate(&mut self.image, of_image);
+        accumulate(&mut self.reference, of_reference);
         accumulate(&mut self.image_variance, variances(at(subject.variance)));
         accumulate(&mut self.reference_variance, variances(reference_variance));
     }
@@ -144,6 +152,9 @@ mod tests {
         assert!((found.mse - (1.0 + 4.0 + 3.0 * 0.09) / 6.0).abs() < 1e-6);
         let relative = (1.0 / 1.01 + 4.0 / 1.01 + 3.0 * 0.09 / 0.1) / 6.0;
         assert!((found.relative_mse - relative).abs() < 1e-6, "{found:?}");
+        let luminance = Rgb::new(0.0, 1.0, 2.0).luminance();
+        let squared = (f64::from(luminance).powi(2) + 0.09) / 2.0;
+        assert!((found.luminance_mse - squared).abs() < 1e-6, "{found:?}");
         assert!((found.ratios[1].value - 1.0 / 1.3).abs() < 1e-6);
         assert_eq!(found.reference_noise, None);
         assert_eq!(found.ratios[0].standard_error, None);

@@ -9,8 +9,8 @@ mod pixels;
 mod tiles;
 
 pub use bench::{
-    Bench, BenchScene, Mean, Measure, Spread, Standing, Trial, option_value, standings,
-    three_digits,
+    Bench, BenchScene, Errors, Mean, Measure, Missed, RecordError, Sheet, Spread, Standing, Tile,
+    Trial, Work, error_plot, option_value, read_trial, standings, stored_trial, three_digits,
 };
 pub use compare::{Comparison, Ratio, compare};
 pub use flip::mean_flip;

@@ -1,16 +1,14 @@
 //! `lumiflow bench`: what is measured is what it says, and what is done is kept.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
 
 use lumiflow::image::write_png;
 use serde_json::Value;
 
-use super::interrupt::send;
-use super::{Done, Place, without_run};
+use super::{Place, without_run};
 
 /// The small room with a reference of ours, made with a seed that is not measured.
-fn measured_room() -> Place {
+pub(super) fn measured_room() -> Place {
     let place = Place::with_room();
     let render = ["render", "room.xml", "-q", "--spp", "256", "--seed", "99"];
     let reference = ["--aov", "variance", "-o", "reference.exr"];
@@ -19,19 +17,30 @@ fn measured_room() -> Place {
     place
 }
 
-fn number(value: &Value) -> f64 {
+pub(super) fn number(value: &Value) -> f64 {
     value
         .as_f64()
         .unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-fn read(place: &Place, name: &str) -> String {
+pub(super) fn read(place: &Place, name: &str) -> String {
     fs::read_to_string(place.path(name)).unwrap()
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
+}
+
+/// The only file in a folder whose name begins and ends so.
+pub(super) fn only(place: &Place, folder: &str, begin: &str, end: &str) -> String {
+    let names = fs::read_dir(place.path(folder)).unwrap();
+    let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let found: Vec<String> = names
+        .filter(|name| name.starts_with(begin) && name.ends_with(end))
+        .collect();
+    assert_eq!(found.len(), 1, "{begin}…{end}: {found:?}");
+    format!("{folder}/{}", found[0])
 }
 
 /// Checks the constants of twelve runs, and their medians.
@@ -42,8 +51,10 @@ fn check_sums(all: &Value) {
         let corrected = number(&run["relmse"]) - number(&run["reference_noise"]);
         // Reading JSON rounds the last digit.
         assert!((number(&run["relmse_corrected"]) - corrected).abs() < 1e-12 * corrected);
-        let efficiency = number(&run["efficiency"]);
+        let efficiency = number(&run["efficiency_constant"]);
         assert!(efficiency > 0.0);
+        let eff = 1.0 / (number(&run["cpu_s"]) * number(&run["err"]));
+        assert!((number(&run["eff"]) - eff).abs() < 1e-9 * eff, "{run}");
         let product = corrected * number(&run["cpu_s"]);
         assert!((efficiency - product).abs() < 1e-12 * product, "{run}");
     }
@@ -52,9 +63,12 @@ fn check_sums(all: &Value) {
     for row in summary {
         let same = |run: &&Value| ["integrator", "budget"].iter().all(|k| run[*k] == row[*k]);
         let own = runs.iter().filter(same);
-        let values: Vec<f64> = own.map(|run| number(&run["efficiency"])).collect();
+        let values: Vec<f64> = own.map(|run| number(&run["efficiency_constant"])).collect();
         assert_eq!(values.len(), 3);
-        assert_eq!(number(&row["efficiency"]["median"]), median(values));
+        assert_eq!(
+            number(&row["efficiency_constant"]["median"]),
+            median(values)
+        );
         assert!(number(&row["mean_ratio"]["standard_error"]) > 0.0);
     }
 }
@@ -76,9 +90,13 @@ fn every_run_is_measured_and_the_seeds_are_put_together() {
         .split('|')
         .map(str::trim)
         .collect();
-    let columns = "scene,integrator,budget,seeds,CPU s,spp,relMSE,corrected,FLIP,mean ratio,\
-                   efficiency,min … max,Mpaths/CPU s";
+    let columns = "scene,integrator,budget,seeds,CPU s,MSE,relMSE,corrected,FLIP,mean ratio,Err,Eff,\
+                   constant,min … max";
     assert_eq!(head.join(","), columns);
+    assert!(
+        done.stdout
+            .contains("| wall s | passes | spp | Mpaths/CPU s |")
+    );
     assert_eq!(lines.len(), 2 + 4, "{}", done.stdout);
     assert!(
         lines
@@ -97,11 +115,25 @@ fn every_run_is_measured_and_the_seeds_are_put_together() {
     );
 
     assert!(read(&place, "out/bench.md").contains(done.stdout.trim_end()));
+    for file in ["room-error.svg", "room-crops.png"] {
+        assert!(read(&place, "out/bench.md").contains(&format!("![room]({file})")));
+        assert!(place.path(&format!("out/{file}")).is_file());
+    }
+    assert_eq!(curves(&read(&place, "out/room-error.svg")), 2);
     assert_eq!(read(&place, "out/bench.csv").lines().count(), 1 + 12);
     let all: Value = serde_json::from_str(&read(&place, "out/bench.json")).unwrap();
     assert_eq!(all["complete"], true);
     assert_eq!(all["scenes"][0]["integrators"]["path"]["max_depth"], 4);
     check_sums(&all);
+}
+
+/// Number of curves in a plot: the lines two pixels wide.
+fn curves(svg: &str) -> usize {
+    let lines = svg.split("<polyline").skip(1);
+    let lines = lines.map(|line| line.split("/>").next().unwrap_or_default());
+    lines
+        .filter(|line| line.contains("stroke-width=\"2\""))
+        .count()
 }
 
 #[test]
@@ -122,14 +154,16 @@ fn a_run_is_what_render_and_compare_make_of_it() {
         "render", "room.xml", "--spp", "3", "--seed", "7", "-q", "-o", "a.exr",
     ];
     place.succeed(&render);
-    let image = place.exr("out/room-path-3spp.exr");
+    // The image of the first seed is kept.
+    let image = place.exr(&only(&place, "out/runs", "room-path-3spp-seed7-", ".exr"));
     assert!(without_run(image) == without_run(place.exr("a.exr")));
-    assert!(place.path("out/room-path-3spp.png").is_file());
+    only(&place, "out/runs", "room-path-3spp-", ".png");
     let compare = ["compare", "a.exr", "reference.exr", "--json"];
     let variance = ["--reference-variance", "reference.exr"];
     let found = place.succeed(&[&compare[..], &variance].concat()).json();
     for name in [
         "mse",
+        "err",
         "relmse",
         "relmse_corrected",
         "reference_noise",
@@ -229,46 +263,19 @@ fn mistakes_are_told_before_anything_is_rendered() {
     );
     place.fail(&["bench", "room.xml"], 2, "--time");
     assert_eq!(place.names(), before);
+    let show = bench(&["--show", "20,0,8,8"]);
+    place.fail(&show, 2, "--show 20,0,8,8 reaches beyond the 24x16 pixels");
+    let peer = bench(&["--peer", "other=x {scene} {out}"]);
+    place.fail(&peer, 2, "--peer other: {spp} is missing");
+    assert_eq!(place.names(), before);
     let sizes = "room.xml is 12x8, but ./reference.exr is 24x16";
     place.fail(&bench(&["--size", "12x8"]), 2, sizes);
+    assert_eq!(place.names(), before);
     let equal = bench(&["--seed", "98", "--seeds", "2"]);
     let done = place.succeed(&equal);
     assert!(
         done.stderr.contains("was rendered with seed 99"),
         "{}",
         done.stderr
-    );
-}
-
-#[test]
-fn a_signal_keeps_the_runs_that_are_complete() {
-    let place = measured_room();
-    let bench = ["bench", "room.xml", "--spp", "1,1000000000", "-o", "out"];
-    let mut child = place.command(&bench).spawn().expect("the command starts");
-    let mut stderr = BufReader::new(child.stderr.take().expect("stderr is piped"));
-    let mut line = String::new();
-    stderr.read_line(&mut line).unwrap();
-    assert!(
-        line.contains("room path 1 spp seed 1 (1/10): relMSE "),
-        "{line}"
-    );
-    send("INT", &child);
-    let done = Done::from(child.wait_with_output().expect("the command ends"));
-    stderr.read_to_string(&mut line).unwrap();
-    assert_eq!(done.code, Some(130), "{line}");
-    assert!(
-        done.stdout.contains("| path       | 1 spp  |     1 |"),
-        "{}",
-        done.stdout
-    );
-    assert!(
-        done.stdout.contains("Incomplete: 1 of 10 renders."),
-        "{}",
-        done.stdout
-    );
-    let all: Value = serde_json::from_str(&read(&place, "out/bench.json")).unwrap();
-    assert_eq!(
-        (&all["complete"], all["runs"].as_array().unwrap().len()),
-        (&Value::Bool(false), 1)
     );
 }

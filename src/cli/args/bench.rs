@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Crop, SceneArgs, count, crop, key_value, seconds};
+use super::{Crop, SceneArgs, count, crop, key_value, seconds, stops};
 
 /// `lumiflow bench`.
 #[derive(Debug, Args)]
@@ -13,15 +13,21 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(required = true, value_name = "SCENE")]
     pub(in crate::cli) scenes: Vec<PathBuf>,
 
-    /// Algorithms to race, with commas between
-    #[arg(
-        short,
-        long,
-        value_name = "NAME,…",
-        value_delimiter = ',',
-        default_value = "path"
-    )]
+    /// Algorithms to race, with commas between; options of one alone follow its name, as in
+    /// erpt:chain_length=50:num_chains=2 [default: path, unless there are peers]
+    #[arg(short, long, value_name = "NAME[:KEY=VALUE…],…", value_delimiter = ',')]
     pub(in crate::cli) integrators: Vec<String>,
+
+    /// Race another program: a name, and a command for the shell, in which {scene}, {seconds} (or
+    /// {spp} or {passes}, as the budgets are), {seed} and {out} stand for what to render, and
+    /// {threads}, {width} and {height} may; do not put quotes around them; repeatable
+    #[arg(long = "peer", value_name = "NAME=COMMAND", value_parser = key_value, requires = "output")]
+    pub(in crate::cli) peers: Vec<(String, String)>,
+
+    /// Seconds after which a peer is ended and has failed [default: a minute and three times its
+    /// budget; no limit for --spp and --passes]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
+    pub(in crate::cli) peer_timeout: Option<f64>,
 
     /// Set an option of all integrators, or of one, such as path.max_depth=8; repeatable
     #[arg(long = "set", value_name = "[NAME.]KEY=VALUE", value_parser = key_value)]
@@ -49,6 +55,10 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(in crate::cli) skip_rows: u32,
 
+    /// Brightness of PNG files, and at which FLIP looks at the images, in stops
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
+    pub(in crate::cli) exposure: f32,
+
     #[command(flatten)]
     pub(in crate::cli) effort: BenchEffort,
 
@@ -67,9 +77,19 @@ pub(in crate::cli) struct BenchArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
 
-    /// Folder for bench.md, bench.csv, bench.json, and the images of the first seed
+    /// Folder for tables, plots, crops and images; renders whose records are there already, of the
+    /// same options, are not made again
     #[arg(short, long, value_name = "DIR")]
     pub(in crate::cli) output: Option<PathBuf>,
+
+    /// Keep the images of all seeds, not of the first only
+    #[arg(long, requires = "output")]
+    pub(in crate::cli) all_images: bool,
+
+    /// Show this part of the images side by side; repeatable [default: --crop, or else the middle,
+    /// 256 pixels at most]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, requires = "output")]
+    pub(in crate::cli) show: Vec<Crop>,
 
     /// Print one line of JSON instead of the table
     #[arg(long)]
@@ -87,6 +107,10 @@ pub(in crate::cli) struct BenchEffort {
     /// Seconds to render for, by the clock: whole passes only, at least one
     #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = seconds)]
     pub(in crate::cli) time: Vec<f64>,
+
+    /// Seconds of processor time, all threads together: whole passes only, at least one
+    #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = seconds)]
+    pub(in crate::cli) cpu: Vec<f64>,
 
     /// Samples a pixel
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = count())]

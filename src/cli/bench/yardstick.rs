@@ -7,10 +7,10 @@ use crate::cli::args::{BenchArgs, Crop};
 use crate::cli::failure::{Failure, sizes_differ};
 use crate::cli::outputs::scene_name;
 use crate::cli::pictures::{cropped, pixels, variance};
-use crate::image::{AttributeValue, Image, read_exr};
+use crate::image::{AttributeValue, read_exr};
 use crate::math::Rgb;
 use crate::output::FileKind;
-use crate::report::{Comparison, Pixels, Subject, compare, mean_flip};
+use crate::report::{Errors, Pixels, Subject};
 
 /// Names of the files that are looked for beside a scene.
 const REFERENCE: &str = "reference.exr";
@@ -75,6 +75,9 @@ impl Course {
 /// The pictures of a [`Course`], cut alike.
 pub(super) struct Yardstick {
     crop: Option<Crop>,
+    exposure: f32,
+    /// What images should be, uncut.
+    pub(super) whole: Pixels,
     reference: Pixels,
     variance: Option<Pixels>,
     counted: Vec<bool>,
@@ -102,7 +105,8 @@ impl Yardstick {
             Ok(image)
         };
         let cut = |image| cropped(image, args.crop);
-        let reference = fit(&course.reference, pixels(&course.reference)?).and_then(cut)?;
+        let whole = fit(&course.reference, pixels(&course.reference)?)?;
+        let reference = cut(whole.clone())?;
         let read_variance = |path: &PathBuf| fit(path, variance(path)?).and_then(cut);
         let read_mask = |path: &PathBuf| fit(path, pixels(path)?);
         let mask = course.mask.as_ref().map(read_mask).transpose()?;
@@ -121,6 +125,8 @@ impl Yardstick {
         }
         Ok(Self {
             crop: args.crop,
+            exposure: args.exposure,
+            whole,
             reference,
             variance: course.variance.as_ref().map(read_variance).transpose()?,
             counted,
@@ -133,14 +139,9 @@ impl Yardstick {
         self.counted.iter().filter(|counts| **counts).count()
     }
 
-    /// How far an image is from the reference, and its FLIP error.
-    pub(super) fn measure(&self, image: &Image) -> Result<(Comparison, f64), Failure> {
-        let colours = image.rgb("").unwrap_or_default();
-        let image = Pixels {
-            width: image.width(),
-            height: image.height(),
-            colours: colours.into_iter().map(Rgb::from).collect(),
-        };
+    /// How far an image is from the reference, and in how many of the pixels that count it is not
+    /// finite.
+    pub(super) fn measure(&self, image: Pixels) -> Result<(Errors, usize), Failure> {
         let image = cropped(image, self.crop)?;
         let subject = Subject {
             image: &image,
@@ -149,7 +150,8 @@ impl Yardstick {
             reference_variance: self.variance.as_ref(),
             counted: &self.counted,
         };
-        Ok((compare(&subject), mean_flip(&subject, 0.0)))
+        let errors = Errors::of(&subject, self.exposure);
+        Ok((errors, subject.not_finite(&image)))
     }
 }
 

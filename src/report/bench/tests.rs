@@ -1,12 +1,7 @@
 use super::*;
-use crate::report::Ratio;
 
 /// A trial of 2 s in which relMSE is `relative_mse`, with a reference whose own share is 0.001.
-fn trial(integrator: &str, budget: &str, seed: u64, relative_mse: f64) -> Trial {
-    let ratio = Ratio {
-        value: 1.0 + 0.1 * seed as f64,
-        standard_error: None,
-    };
+pub(super) fn trial(integrator: &str, budget: &str, seed: u64, relative_mse: f64) -> Trial {
     Trial {
         scene: "box, small".to_owned(),
         integrator: integrator.to_owned(),
@@ -14,22 +9,22 @@ fn trial(integrator: &str, budget: &str, seed: u64, relative_mse: f64) -> Trial 
         seed,
         wall_seconds: 2.5,
         cpu_seconds: 2.0,
-        passes: 8,
-        samples: 8,
-        counters: Counters {
+        overrun_seconds: 0.0,
+        work: Some(Work {
+            passes: 8,
+            samples: 8,
             paths: 100,
             rays: 300,
             rejected: 0,
-            ..Counters::default()
-        },
-        comparison: Comparison {
-            pixels: 10,
+        }),
+        errors: Errors {
             mse: 0.5,
+            luminance_mse: 0.25,
             relative_mse,
             reference_noise: Some(0.001),
-            ratios: [ratio; 4],
+            mean_ratio: 1.0 + 0.1 * seed as f64,
+            flip: 0.1,
         },
-        flip: 0.1,
         statistics: vec![("Mpaths/CPU s".to_owned(), 0.5)],
     }
 }
@@ -59,6 +54,7 @@ fn bench() -> Bench {
             )],
         }],
         trials,
+        missed: Vec::new(),
         wanted: 6,
     }
 }
@@ -73,9 +69,9 @@ fn measures_stand_in_their_order() {
 #[test]
 fn the_constant_is_error_without_the_references_noise_times_processor_time() {
     let mut found = trial("path", "1 s", 1, 0.021);
-    assert!((Measure::Efficiency.of(&found) - 0.02 * 2.0).abs() < 1e-12);
-    found.comparison.reference_noise = None;
-    assert!((Measure::Efficiency.of(&found) - 0.021 * 2.0).abs() < 1e-12);
+    assert!((Measure::EfficiencyConstant.of(&found) - 0.02 * 2.0).abs() < 1e-12);
+    found.errors.reference_noise = None;
+    assert!((Measure::EfficiencyConstant.of(&found) - 0.021 * 2.0).abs() < 1e-12);
     assert!(Measure::Corrected.of(&found).is_nan());
     assert!(found.is_beyond_noise());
 }
@@ -87,7 +83,7 @@ fn seeds_are_put_together() {
     assert_eq!(names, ["path", "direct"]);
     let path = &standings[0];
     assert_eq!((path.seeds, path.beyond_noise), (3, true));
-    let efficiency = path.spread(Measure::Efficiency);
+    let efficiency = path.spread(Measure::EfficiencyConstant);
     assert!((efficiency.median - 0.06).abs() < 1e-12);
     assert!((efficiency.min - 0.04).abs() < 1e-12);
     assert!((efficiency.max - 0.08).abs() < 1e-12);
@@ -108,18 +104,34 @@ fn the_table_shows_what_some_integrators_tell_and_what_is_not_to_be_trusted() {
     };
     let head = cells(lines[0]);
     assert_eq!(head[..3], ["scene", "integrator", "budget"]);
-    assert_eq!(head[12..], ["Mpaths/CPU s", "acceptance"]);
+    assert_eq!(head.len(), 14);
     let path = cells(lines[2]);
-    assert_eq!(path[3..6], ["3", "2.00", "8"]);
-    assert_eq!(
-        path[9..],
-        ["1.2000 ± 0.0577", "0.0600", "0.0400 … 0.0800", "0.500", "–"]
-    );
+    assert_eq!(path[3..6], ["3", "2.00", "0.500"]);
+    let rest = [
+        "1.2000 ± 0.0577",
+        "0.250",
+        "2.00",
+        "0.0600",
+        "0.0400 … 0.0800",
+    ];
+    assert_eq!(path[9..], rest);
     let direct = cells(lines[3]);
     assert_eq!(
         (direct[6].as_str(), direct[9].as_str()),
         ("! 0.00150", "1.1000")
     );
+    let work = lines
+        .iter()
+        .rposition(|line| line.contains("wall s"))
+        .unwrap();
+    let head = cells(lines[work]);
+    let columns = ["wall s", "passes", "spp", "Mpaths/CPU s", "acceptance"];
+    assert_eq!(head[3..], columns);
+    assert_eq!(
+        cells(lines[work + 2])[3..],
+        ["2.50", "8", "8", "0.500", "–"]
+    );
+    assert_eq!(cells(lines[work + 3])[7], "0.750");
     for part in [
         "- box, small: 10 of 12 pixels count; the reference's noise is 0.00100.",
         "- ! relMSE is below",
@@ -134,9 +146,11 @@ fn every_trial_is_a_line_of_csv() {
     let text = String::from_utf8(bench().csv().unwrap()).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 5);
-    assert!(lines[0].starts_with("scene,integrator,budget,seed,wall_s,cpu_s,passes,spp,mse,"));
-    assert!(lines[0].ends_with("efficiency,paths,rays,rejected,Mpaths/CPU s,acceptance"));
-    assert!(lines[1].starts_with("\"box, small\",path,1 s,1,2.5,2,8,8,0.5,0.021,0.001,"));
+    assert!(
+        lines[0].starts_with("scene,integrator,budget,seed,wall_s,cpu_s,overrun_s,passes,spp,mse,")
+    );
+    assert!(lines[0].ends_with("efficiency_constant,paths,rays,rejected,Mpaths/CPU s,acceptance"));
+    assert!(lines[1].starts_with("\"box, small\",path,1 s,1,2.5,2,0,8,8,0.5,0.021,0.001,"));
     assert!(lines[1].ends_with(",100,300,0,0.5,") && lines[2].ends_with(",0.5,0.75"));
 }
 
@@ -153,12 +167,78 @@ fn all_of_it_is_in_the_json() {
     assert_eq!(all["summary"][0]["seeds"], 3);
     assert_eq!(all["summary"][0]["cpu_s"]["median"], 2.0);
     assert!(
-        all["summary"][0]["efficiency"]["upper_quartile"]
+        all["summary"][0]["efficiency_constant"]["upper_quartile"]
             .as_f64()
             .unwrap()
             > 0.06
     );
     assert!(all["summary"][1]["mean_ratio"]["standard_error"].is_null());
+}
+
+#[test]
+fn err_and_eff_are_those_of_the_paper() {
+    // Two pixels whose luminances differ by 0.5 and 0.1, in 2 s.
+    let row = |values: [f32; 2]| crate::report::Pixels {
+        width: 2,
+        height: 1,
+        colours: values.map(crate::math::Rgb::grey).to_vec(),
+    };
+    let (image, reference) = (row([1.5, 0.4]), row([1.0, 0.5]));
+    let subject = crate::report::Subject {
+        image: &image,
+        reference: &reference,
+        variance: None,
+        reference_variance: None,
+        counted: &[],
+    };
+    let mut found = trial("path", "1 s", 1, 0.0);
+    found.errors = Errors::of(&subject, 0.0);
+    let err = (0.25 + 0.01) / 2.0;
+    assert!((Measure::Err.of(&found) - err).abs() < 1e-6);
+    assert!((Measure::Eff.of(&found) - 1.0 / (2.0 * err)).abs() < 1e-4);
+}
+
+#[test]
+fn what_failed_and_what_overran_is_named() {
+    let mut bench = bench();
+    bench.trials[0].overrun_seconds = 0.5;
+    let missed = |integrator: &str, seed| Missed {
+        scene: "box, small".to_owned(),
+        integrator: integrator.to_owned(),
+        budget: "1 s".to_owned(),
+        seed,
+        reason: "it wrote no picture".to_owned(),
+    };
+    bench.missed = vec![missed("peer", 1), missed("peer", 2), missed("path", 4)];
+    let text = bench.markdown();
+    let rows = text.lines().filter(|line| line.contains("| peer "));
+    let rows: Vec<&str> = rows.collect();
+    assert_eq!(rows.len(), 1, "{text}");
+    assert!(rows[0].contains("|     0 |"), "{text}");
+    for part in [
+        "- FAILED: box, small peer 1 s seed 2: it wrote no picture",
+        "- FAILED: box, small path 1 s seed 4: it wrote no picture",
+        "- box, small path 1 s: over the budget by up to 0.500 s.",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let all = bench.json();
+    assert_eq!(all["failures"].as_array().unwrap().len(), 3);
+    assert_eq!(all["failures"][0]["reason"], "it wrote no picture");
+}
+
+#[test]
+fn peers_tell_nothing_of_their_work() {
+    let mut bench = bench();
+    bench.trials[0].work = None;
+    let text = String::from_utf8(bench.csv().unwrap()).unwrap();
+    let line = text.lines().nth(1).unwrap();
+    assert!(
+        line.contains(",1,2.5,2,0,,,0.5,") && line.ends_with(",,,,0.5,"),
+        "{line}"
+    );
+    let all = bench.json();
+    assert!(all["runs"][0]["passes"].is_null() && all["runs"][0]["paths"].is_null());
 }
 
 #[test]
