@@ -3,6 +3,9 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
+use std::process::Command;
+use std::thread;
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -52,6 +55,40 @@ fn a_signal_keeps_the_runs_that_are_complete() {
         (&all["complete"], all["runs"].as_array().unwrap().len()),
         (&Value::Bool(false), 1)
     );
+}
+
+#[test]
+fn a_signal_ends_the_peer_and_what_it_started() {
+    let place = measured_room();
+    let peer = "other=sleep 300 & echo $! > sleeper; wait; true {scene} {spp} {out}";
+    let bench = [
+        "bench", "room.xml", "--peer", peer, "--spp", "1", "-o", "out",
+    ];
+    let child = place.command(&bench).spawn().expect("the command starts");
+    let sleeper = place.path("sleeper");
+    while fs::read_to_string(&sleeper).map_or(true, |text| !text.ends_with('\n')) {
+        thread::sleep(Duration::from_millis(20));
+    }
+    send("INT", &child);
+    let done = Done::from(child.wait_with_output().expect("the command ends"));
+    assert_eq!(done.code, Some(130), "{}", done.stderr);
+    assert!(
+        done.stderr
+            .contains("stopped before the first render was complete")
+    );
+    let script = format!("kill -0 {}", read(&place, "sleeper").trim());
+    let mut alive = 0;
+    while Command::new("sh")
+        .args(["-c", &script])
+        .status()
+        .unwrap()
+        .success()
+    {
+        // A process that nobody waits for stays until the system notices.
+        alive += 1;
+        assert!(alive < 500, "the peer's child is still there");
+        thread::sleep(Duration::from_millis(20));
+    }
 }
 
 #[test]

@@ -297,7 +297,7 @@ fn ticks(range: &Range) -> Vec<f64> {
 
 /// A number beside an axis.
 fn tick(value: f64) -> String {
-    if (1e-3..1e4).contains(&value) {
+    if (1e-4..1e5).contains(&value) {
         // Rounds what the axis computed.
         format!("{}", (value * 1e6).round() / 1e6)
     } else {
@@ -382,6 +382,7 @@ mod tests {
     fn ticks_are_short() {
         assert_eq!(tick(0.1 + 0.2), "0.3");
         assert_eq!(tick(20.0), "20");
+        assert_eq!(tick(5e-4), "0.0005");
         assert_eq!(tick(3e-5), "3e-5");
         assert_eq!(ticks(&(0.3..12.0)), [0.5, 1.0, 2.0, 5.0, 10.0]);
         assert_eq!(ticks(&(0.05..120.0)), [0.1, 1.0, 10.0, 100.0]);
