@@ -3,10 +3,12 @@
 mod bitmap;
 mod checkerboard;
 mod constant;
+mod scaled;
 
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use constant::Constant;
+pub use scaled::Scaled;
 
 use crate::math::{Rgb, Vec2};
 
@@ -79,6 +81,8 @@ texture_models! {
     Checkerboard(Checkerboard),
     /// One colour everywhere.
     Constant(Constant),
+    /// A texture times a factor.
+    Scaled(Scaled),
 }
 
 impl Texture {

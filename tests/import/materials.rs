@@ -165,3 +165,20 @@ fn contradictory_materials_are_refused() {
         )],
     );
 }
+
+#[test]
+fn scaled_textures_are_read_and_empty_ones_refused() {
+    let scaled =
+        |inside: &str| format!("<texture name='reflectance' type='scale'>{inside}</texture>");
+    for factor in [float("scale"), colour("scale"), String::new()] {
+        let inside = scaled(&(factor + BOARD));
+        check(&material("diffuse", &inside), &[], "");
+    }
+    refuse(
+        "diffuse",
+        &[(
+            &format!("\n{}", scaled("")),
+            "4:1: texture \"scale\" holds no texture",
+        )],
+    );
+}

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::loader::Loader;
-use super::xml::{ColourUse, ElementId, ElementReader, Location};
+use super::xml::{ColourUse, ElementId, ElementKind, ElementReader, Location};
 use crate::image::{self, Bitmap, Transfer};
 use crate::math::{Mat3, Rgb, Vec2};
-use crate::texture::{self, Checkerboard, Filter, Texture, Wrap};
+use crate::texture::{self, Checkerboard, Filter, Scaled, Texture, Wrap};
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 2] = ["bitmap", "checkerboard"];
+const KNOWN: [&str; 3] = ["bitmap", "checkerboard", "scale"];
 
 impl Loader<'_> {
     /// Builds a texture, or finds the one that was built before; `None` after noting why not.
@@ -22,6 +22,7 @@ impl Loader<'_> {
         let built = match reader.plugin() {
             "bitmap" | "ldrtexture" | "exrtexture" => self.bitmap(&mut reader),
             "checkerboard" => Some(self.checkerboard(&mut reader)),
+            "scale" => self.scaled(&mut reader),
             _ => {
                 self.unknown_plugin(id, KNOWN, "a grey of 0.5 is used instead");
                 return Some(0.5.into());
@@ -76,6 +77,16 @@ impl Loader<'_> {
         };
         let (first, second) = (colour("color0", 0.4), colour("color1", 0.2));
         Texture::Checkerboard(Checkerboard::new([first, second], to_uv))
+    }
+
+    fn scaled(&mut self, reader: &mut ElementReader<'_>) -> Option<Texture> {
+        let factor = reader.colour("scale", ColourUse::Index);
+        let Some(nested) = reader.child(ElementKind::Texture) else {
+            reader.error("", "texture \"scale\" holds no texture");
+            return None;
+        };
+        let nested = self.texture(nested)?;
+        Some(Scaled::new(nested, factor.unwrap_or(Rgb::WHITE)).into())
     }
 
     /// The map of texture coordinates: `to_uv`, or scales and offsets as the first generation has it.
