@@ -13,6 +13,7 @@ mod hidden_emitters;
 mod import;
 mod indifference;
 mod invariance;
+mod inversion;
 mod kernels;
 mod layering;
 mod meshes;

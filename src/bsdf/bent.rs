@@ -1,6 +1,9 @@
 //! Materials whose normal leans while the surface stays where it is.
 
-use super::{Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use super::{
+    Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled,
+    Spare, Transport,
+};
 use crate::math::{Frame, Local, Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::SurfacePoint;
 
@@ -219,6 +222,28 @@ impl<L: Lean> BsdfModel for Bent<L> {
 
     fn component_count(&self) -> u8 {
         self.nested.component_count()
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let bump = self.bump(at);
+        let wi = bump.bend(wi);
+        let sampled = match sampled {
+            Sampled::Finite(wo) => {
+                let wo = bump.bend(wo);
+                if !(wi.is_clear() && wo.is_clear()) {
+                    return None;
+                }
+                Sampled::Finite(wo.bent)
+            }
+            dirac => dirac,
+        };
+        self.nested.invert(wi.bent, sampled, at, spare)
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

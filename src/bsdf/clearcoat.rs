@@ -4,6 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use super::disney::schlick_weight;
 use super::microfacet::{MicrofacetKind, Microfacets, mirrored_at};
+use crate::math::warp::turn;
 use crate::math::{Local, Vec2, Vec3};
 
 /// A thin white highlight over everything else; light that passes it is not reduced.
@@ -46,6 +47,14 @@ impl Clearcoat {
         let m = Local(Vec3::new(sin * x, sin * y, cos2.sqrt()));
         let wo = mirrored_at(wi, m);
         (wi.0.dot(m.0) > 0.0 && wo.cos() > 0.0).then_some(wo)
+    }
+
+    /// The numbers of [`Clearcoat::sample`], from the normal halfway between the directions.
+    #[inline]
+    pub(super) fn invert(self, m: Local) -> Vec2 {
+        let a = self.alpha_squared;
+        let power = (1.0 - (1.0 - a) * m.cos() * m.cos()).ln() / a.ln();
+        Vec2::new(turn(m.0.truncate()), 1.0 - power)
     }
 
     /// Value times the cosine of `wo`; the index is 1.5, the masking that of a roughness of 0.25.

@@ -4,7 +4,7 @@ use super::fresnel::RelativeIor;
 use super::varnish::Varnish;
 use super::{
     Bsdf, BsdfError, BsdfModel, BsdfSample, BumpMap, Component, Conductor, Diffuse, DiracEvent,
-    Lobe, LobeSet, Plastic, RoughConductor, Transport,
+    Lobe, LobeSet, Plastic, RoughConductor, SampleNumbers, Sampled, Spare, Transport,
 };
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
@@ -195,6 +195,28 @@ impl BsdfModel for Coating {
 
     fn component_count(&self) -> u8 {
         self.varnish.nested.component_count() + 1
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        if wi.cos() <= 0.0 {
+            return None;
+        }
+        let choice = self.choice(wi);
+        if sampled == Sampled::Dirac(COAT) {
+            return (choice > 0.0).then(|| spare.numbers.within(0.0, choice));
+        }
+        let nested = match sampled {
+            Sampled::Dirac(component) => Sampled::Dirac(Component(component.0 - 1)),
+            finite => finite,
+        };
+        let numbers = self.varnish.invert(wi, nested, at, spare)?;
+        (choice < 1.0).then(|| numbers.within(choice, 1.0 - choice))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

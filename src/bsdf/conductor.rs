@@ -1,7 +1,10 @@
 //! Smooth metal.
 
 use super::fresnel::ComplexIor;
-use super::{BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use super::{
+    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
+    Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -102,6 +105,20 @@ impl BsdfModel for Conductor {
 
     fn component_count(&self) -> u8 {
         1
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Dirac(component) = sampled else {
+            return None;
+        };
+        self.follow(wi, at, Transport::Importance, component)?;
+        Some(spare.numbers)
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -1,7 +1,10 @@
 //! Smooth glass, water, and the like.
 
 use super::fresnel::{Refraction, RelativeIor};
-use super::{BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use super::{
+    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
+    Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -152,6 +155,26 @@ impl BsdfModel for Dielectric {
 
     fn component_count(&self) -> u8 {
         2
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Dirac(component) = sampled else {
+            return None;
+        };
+        let event = self.follow(wi, at, Transport::Importance, component)?;
+        let size = event.probability;
+        let low = if component == REFLECTION {
+            0.0
+        } else {
+            1.0 - size
+        };
+        Some(spare.numbers.within(low, size))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -2,7 +2,9 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{BsdfModel, BsdfSample, Component, Lobe, LobeSet, Transport};
+use super::{
+    BsdfModel, BsdfSample, Component, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, warp};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -77,6 +79,22 @@ impl BsdfModel for Diffuse {
             return SolidAngleDensity::ZERO;
         }
         SolidAngleDensity(warp::cosine_hemisphere_density(wo.cos()))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        _at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        match sampled {
+            Sampled::Finite(wo) if wi.cos() > 0.0 && wo.cos() > 0.0 => {
+                let u = warp::cosine_hemisphere_inverse(wo.0);
+                Some(spare.numbers.with_direction(u))
+            }
+            _ => None,
+        }
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -91,12 +91,18 @@ mod tests {
                 u: Vec2::ZERO,
             },
         };
-        let chosen = |lobe: f32, densities| spare(lobe).choose(densities).map(|c| (c.0, c.1.lobe));
+        let chosen = |lobe: f32, densities: [f32; 3]| {
+            let chosen = spare(lobe).choose(densities);
+            chosen.map(|(number, rest)| (number, rest.lobe))
+        };
         assert_eq!(chosen(0.25, [1.0, 0.0, 3.0]), Some((2, 0.0)));
         assert_eq!(chosen(0.125, [1.0, 0.0, 3.0]), Some((0, 0.5)));
         assert_eq!(chosen(0.625, [1.0, 0.0, 3.0]), Some((2, 0.5)));
-        assert_eq!(chosen(ONE_MINUS_EPSILON, [1.0, 0.0]).map(|c| c.0), Some(0));
-        assert_eq!(chosen(0.5, [0.0, 0.0]), None);
+        assert_eq!(
+            chosen(ONE_MINUS_EPSILON, [1.0, 0.0, 0.0]).map(|c| c.0),
+            Some(0)
+        );
+        assert_eq!(chosen(0.5, [0.0; 3]), None);
         for (low, size) in [(0.0, 0.3), (0.3, 0.4), (0.7, 0.3)] {
             assert!(spare(0.0).numbers.within(low, size).u_lobe < low + size);
         }

@@ -2,7 +2,7 @@
 
 use super::{
     Bsdf, BsdfModel, BsdfSample, BumpMap, Component, Dielectric, Diffuse, DiracEvent, Lobe,
-    LobeSet, Plastic, Transport,
+    LobeSet, Plastic, SampleNumbers, Sampled, Spare, Transport,
 };
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
@@ -163,6 +163,26 @@ impl BsdfModel for Mask {
 
     fn component_count(&self) -> u8 {
         self.nested.component_count() + 1
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let choice = self.opacity(at).choice;
+        let nested = match sampled {
+            Sampled::Dirac(HOLE) => {
+                let hole = spare.numbers.within(choice, 1.0 - choice);
+                return (choice < 1.0).then_some(hole);
+            }
+            Sampled::Dirac(component) => Sampled::Dirac(Component(component.0 - 1)),
+            finite => finite,
+        };
+        let numbers = self.nested.invert(wi, nested, at, spare)?;
+        (choice > 0.0).then(|| numbers.within(0.0, choice))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

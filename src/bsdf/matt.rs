@@ -2,6 +2,7 @@
 
 use std::f32::consts::TAU;
 
+use super::{SampleNumbers, Spare};
 use crate::math::{Local, Vec2, warp};
 
 /// Share of samples that lie on the hemisphere by the cosine; the others are uniform.
@@ -29,4 +30,23 @@ pub(super) fn matt_density(cos: f32) -> f32 {
         return 0.0;
     }
     COSINE_SHARE * warp::cosine_hemisphere_density(cos) + (1.0 - COSINE_SHARE) / TAU
+}
+
+/// The numbers of [`sample_matt`]; `None` below the horizon.
+#[inline]
+pub(super) fn invert_matt(wo: Local, spare: Spare) -> Option<SampleNumbers> {
+    if wo.cos() <= 0.0 {
+        return None;
+    }
+    let by_cosine = COSINE_SHARE * warp::cosine_hemisphere_density(wo.cos());
+    let (lobe, spare) = spare.choose([by_cosine, (1.0 - COSINE_SHARE) / TAU])?;
+    let numbers = spare.numbers;
+    Some(if lobe == 0 {
+        let u = warp::cosine_hemisphere_inverse(wo.0);
+        numbers.with_direction(u).within(0.0, COSINE_SHARE)
+    } else {
+        let u = warp::uniform_cone_inverse(wo.0, 1.0);
+        let numbers = numbers.with_direction(u);
+        numbers.within(COSINE_SHARE, 1.0 - COSINE_SHARE)
+    })
 }

@@ -8,6 +8,7 @@ use std::f32::consts::{FRAC_2_SQRT_PI, PI, TAU};
 
 use super::Local;
 use crate::math::error_function::{erf_and_gauss, erf_inverse};
+use crate::math::warp::turn;
 use crate::math::{Vec2, Vec3};
 use crate::texture::{Texture, TextureModel};
 
@@ -160,6 +161,30 @@ impl Microfacets {
     }
 }
 
+impl Microfacets {
+    /// Undoes [`Microfacets::sample_visible`].
+    ///
+    /// - `m`: a normal that is seen from `wi`, both above the surface.
+    pub fn invert_visible(&self, wi: Local, m: Local) -> Vec2 {
+        let stretched = Vec3::new(wi.0.x * self.alpha.x, wi.0.y * self.alpha.y, wi.0.z).normalize();
+        let normal = Vec3::new(m.0.x / self.alpha.x, m.0.y / self.alpha.y, m.0.z);
+        match self.kind {
+            MicrofacetKind::Beckmann => invert_visible_beckmann(stretched, normal),
+            MicrofacetKind::Ggx => invert_visible_ggx(stretched, normal.normalize()),
+        }
+    }
+}
+
+/// Turns both directions over where the first comes from below.
+#[inline]
+pub(super) fn from_above(wi: Local, wo: Local) -> (Local, Local) {
+    if wi.cos() >= 0.0 {
+        (wi, wo)
+    } else {
+        (wi.flipped(), wo.flipped())
+    }
+}
+
 /// The direction that a mirror with normal `m` reflects `wi` into.
 #[inline]
 pub(super) fn mirrored_at(wi: Local, m: Local) -> Local {
@@ -192,6 +217,12 @@ fn sample_visible_ggx(wi: Vec3, u: Vec2) -> Vec3 {
     Vec3::new(wi.x + radius * cos, wi.y + radius * sin, height)
 }
 
+/// Undoes [`sample_visible_ggx`] for a unit normal.
+fn invert_visible_ggx(wi: Vec3, normal: Vec3) -> Vec2 {
+    let sum = normal * (2.0 * wi.dot(normal));
+    Vec2::new(turn((sum - wi).truncate()), 1.0 - sum.z / (1.0 + wi.z))
+}
+
 /// Samples a normal of Beckmann with roughness one that is seen from `wi`; not normalised.
 ///
 /// Source: Jakob 2014 (improved sampling of visible normals).
@@ -207,6 +238,29 @@ fn sample_visible_beckmann(wi: Vec3, u: Vec2) -> Vec3 {
     // The normal's horizontal part is minus the slope.
     let slope = azimuth * along + azimuth.perp() * across;
     Vec3::new(-slope.x, -slope.y, 1.0)
+}
+
+/// Undoes [`sample_visible_beckmann`].
+fn invert_visible_beckmann(wi: Vec3, normal: Vec3) -> Vec2 {
+    let sin = wi.truncate().length();
+    let azimuth = if sin > 0.0 {
+        wi.truncate() / sin
+    } else {
+        Vec2::X
+    };
+    let slope = -normal.truncate() / normal.z;
+    let error_function = |x: f32| {
+        let (erf, gauss) = erf_and_gauss(x.abs());
+        (erf.copysign(x), gauss)
+    };
+    let (along, gauss) = error_function(slope.dot(azimuth));
+    let (across, _) = error_function(slope.dot(azimuth.perp()));
+    // The distribution function that `visible_slope_beckmann` inverts.
+    let scaled_tan = sin / wi.z * FRAC_1_SQRT_PI;
+    let (highest, least_gauss) = erf_and_gauss(wi.z / sin);
+    let total = 1.0 + highest + scaled_tan * least_gauss;
+    let below = 1.0 + along + scaled_tan * gauss;
+    Vec2::new(below / total, 0.5 * (1.0 + across))
 }
 
 /// Samples the slope, along the azimuth of the direction that looks at them, of visible mirrors.

@@ -2,7 +2,8 @@
 
 use super::{
     Bsdf, BsdfError, BsdfModel, BsdfSample, Component, Conductor, Dielectric, Diffuse, DiracEvent,
-    LobeSet, Null, Plastic, RoughConductor, RoughDielectric, Transport,
+    LobeSet, Null, Plastic, RoughConductor, RoughDielectric, SampleNumbers, Sampled, Spare,
+    Transport,
 };
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
@@ -219,6 +220,54 @@ impl BsdfModel for Mixture {
 
     fn component_count(&self) -> u8 {
         self.parts.iter().map(BsdfModel::component_count).sum()
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let choice = self.choice();
+        // What each part has to do with it: its density, or whether the component is its own.
+        let share = |(weight, part): (f32, &Bsdf), first_component: u8| match sampled {
+            _ if weight <= 0.0 => 0.0,
+            Sampled::Finite(wo) => weight * part.density(wi, wo, at).0,
+            Sampled::Dirac(Component(number)) => {
+                let own = first_component..first_component + part.component_count();
+                f32::from(u8::from(own.contains(&number)))
+            }
+        };
+        let parts = || {
+            self.weighted(at).scan((0.0, 0), move |sum, part| {
+                let (low, first_component) = *sum;
+                *sum = (
+                    low + part.0 * choice,
+                    first_component + part.1.component_count(),
+                );
+                Some((part, low, first_component))
+            })
+        };
+        let total: f32 = parts().map(|(part, _, first)| share(part, first)).sum();
+        let mut rest = spare.lobe * total;
+        for (part, low, first_component) in parts() {
+            let own = share(part, first_component);
+            if own <= 0.0 || rest >= own {
+                rest -= own;
+                continue;
+            }
+            let nested = match sampled {
+                Sampled::Dirac(component) => {
+                    Sampled::Dirac(Component(component.0 - first_component))
+                }
+                finite => finite,
+            };
+            let lobe = (rest / own).clamp(0.0, ONE_MINUS_EPSILON);
+            let numbers = part.1.invert(wi, nested, at, Spare { lobe, ..spare })?;
+            return Some(numbers.within(low, part.0 * choice));
+        }
+        None
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -28,6 +28,7 @@ mod disney;
 mod error;
 mod event;
 mod fresnel;
+mod inversion;
 mod ior_presets;
 mod mask;
 mod matt;
@@ -38,6 +39,7 @@ mod null;
 mod phong;
 mod plastic;
 mod principled;
+mod principled_parameters;
 mod principled_thin;
 mod quadrature;
 mod rough_coat;
@@ -62,6 +64,7 @@ pub use diffuse_transmitter::DiffuseTransmitter;
 pub use error::BsdfError;
 pub use event::{BsdfSample, Component, DiracEvent, Lobe, LobeSet};
 pub use fresnel::{ComplexIor, Refraction, RelativeIor};
+pub use inversion::{SampleNumbers, Sampled, Spare};
 pub use ior_presets::{ior, ior_names};
 pub use mask::Mask;
 pub use microfacet::{MicrofacetKind, Microfacets, Roughness};
@@ -70,8 +73,9 @@ pub use normal_map::{NormalMap, Normals};
 pub use null::Null;
 pub use phong::Phong;
 pub use plastic::Plastic;
-pub use principled::{Principled, PrincipledParameters};
-pub use principled_thin::{PrincipledThin, PrincipledThinParameters};
+pub use principled::Principled;
+pub use principled_parameters::{PrincipledParameters, PrincipledThinParameters};
+pub use principled_thin::PrincipledThin;
 pub use rough_coating::RoughCoating;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
@@ -154,6 +158,19 @@ pub trait BsdfModel {
         0
     }
 
+    /// Goes back from a direction or a component to the numbers that [`BsdfModel::sample`] makes it of.
+    ///
+    /// Several numbers can lead to one direction. Among them the result is drawn with the density that
+    /// uniform numbers have, given what was sampled: of a sample of uniform numbers, and with a uniform
+    /// `spare`, it is uniform again. `None` where nothing is sampled so.
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers>;
+
     /// Share of light that is scattered, roughly: the `albedo` layer and nothing else uses it.
     fn albedo(&self, at: &SurfacePoint) -> Rgb;
 }
@@ -220,6 +237,10 @@ macro_rules! bsdf_models {
             }
             fn component_count(&self) -> u8 {
                 match self { $(Self::$model(m) => m.component_count(),)* }
+            }
+            fn invert(&self, wi: Local, sampled: Sampled, at: &SurfacePoint, spare: Spare)
+                -> Option<SampleNumbers> {
+                match self { $(Self::$model(m) => m.invert(wi, sampled, at, spare),)* }
             }
             fn albedo(&self, at: &SurfacePoint) -> Rgb {
                 match self { $(Self::$model(m) => m.albedo(at),)* }

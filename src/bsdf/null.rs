@@ -1,6 +1,9 @@
 //! No surface at all.
 
-use super::{BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use super::{
+    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
+    Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 
@@ -71,6 +74,20 @@ impl BsdfModel for Null {
 
     fn component_count(&self) -> u8 {
         1
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Dirac(component) = sampled else {
+            return None;
+        };
+        self.follow(wi, at, Transport::Importance, component)?;
+        Some(spare.numbers)
     }
 
     fn albedo(&self, _at: &SurfacePoint) -> Rgb {

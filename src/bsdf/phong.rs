@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-use super::{BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::{BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport};
 use crate::math::{Frame, Local, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -47,6 +47,16 @@ impl Highlight {
         let (specular, diffuse) = (self.specular.colour(uv), self.diffuse.colour(uv));
         let excess = (specular + diffuse).max_channel().max(1.0);
         (specular / excess, diffuse / excess)
+    }
+}
+
+/// `cosⁿ α / 2π`.
+#[inline]
+fn peak(cos: f32, exponent: f32) -> f32 {
+    if cos > 0.0 {
+        cos.min(1.0).powf(exponent) / TAU
+    } else {
+        0.0
     }
 }
 
@@ -138,18 +148,44 @@ impl BsdfModel for Phong {
             return (Rgb::BLACK, SolidAngleDensity::ZERO);
         }
         let exponent = self.exponent(at);
-        let cos = wi.mirrored().0.dot(wo.0).min(1.0);
-        let peak = if cos > 0.0 {
-            cos.powf(exponent) / TAU
-        } else {
-            0.0
-        };
+        let peak = peak(wi.mirrored().0.dot(wo.0), exponent);
         let (specular, diffuse) = self.colours.at(at.uv);
         let value = specular * ((exponent + 2.0) * peak) + diffuse * FRAC_1_PI;
         let choice = self.colours.choice;
         let density = choice * (exponent + 1.0) * peak
             + (1.0 - choice) * warp::cosine_hemisphere_density(wo.cos());
         (value * wo.cos(), SolidAngleDensity(density))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Finite(wo) = sampled else {
+            return None;
+        };
+        if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
+            return None;
+        }
+        let exponent = self.exponent(at);
+        let around = Frame::around(wi.mirrored().0).to_local(wo.0);
+        let choice = self.colours.choice;
+        let densities = [
+            choice * (exponent + 1.0) * peak(around.cos(), exponent),
+            (1.0 - choice) * warp::cosine_hemisphere_density(wo.cos()),
+        ];
+        let (lobe, spare) = spare.choose(densities)?;
+        if lobe == 0 {
+            let height = 1.0 - around.cos().min(1.0).powf(exponent + 1.0);
+            let u = Vec2::new(warp::turn(around.0.truncate()), height);
+            return Some(spare.numbers.with_direction(u).within(0.0, choice));
+        }
+        let u = warp::cosine_hemisphere_inverse(wo.0);
+        let numbers = spare.numbers.with_direction(u);
+        Some(numbers.within(choice, 1.0 - choice))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -4,7 +4,10 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::coat::CoatedBase;
 use super::fresnel::RelativeIor;
-use super::{BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport};
+use super::{
+    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
+    Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, warp};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -165,6 +168,28 @@ impl BsdfModel for Plastic {
 
     fn component_count(&self) -> u8 {
         1
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        _at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        if wi.cos() <= 0.0 {
+            return None;
+        }
+        let choice = self.coated.specular_choice(self.reflectance(wi.cos()));
+        match sampled {
+            Sampled::Dirac(_) => (choice > 0.0).then(|| spare.numbers.within(0.0, choice)),
+            Sampled::Finite(wo) if wo.cos() > 0.0 && choice < 1.0 => {
+                let u = warp::cosine_hemisphere_inverse(wo.0);
+                let numbers = spare.numbers.with_direction(u);
+                Some(numbers.within(choice, 1.0 - choice))
+            }
+            Sampled::Finite(_) => None,
+        }
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -3,64 +3,17 @@
 use super::clearcoat::Clearcoat;
 use super::disney::{Matt, alpha, hue, schlick};
 use super::fresnel::RelativeIor;
-use super::matt::{matt_density, sample_matt};
-use super::microfacet::{MicrofacetKind, Microfacets, halfway, mirrored_at};
+use super::matt::{invert_matt, matt_density, sample_matt};
+use super::microfacet::{MicrofacetKind, Microfacets, from_above, halfway, mirrored_at};
+use super::principled_parameters::PrincipledParameters;
 use super::rough_dielectric::refracting_normal;
-use super::{BsdfError, BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::{
+    BsdfError, BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport,
+};
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
-
-/// What a [`Principled`] material is made of; all numbers lie in `[0, 1]`.
-#[derive(Clone, Debug)]
-pub struct PrincipledParameters {
-    /// Colour of the diffuse part, of metal, and of what goes through (its root, each time).
-    pub base_color: Texture,
-    /// Root of the microfacets' roughness.
-    pub roughness: Texture,
-    /// How much longer the highlight is across the tangent than along it.
-    pub anisotropic: Texture,
-    /// Share of metal.
-    pub metallic: Texture,
-    /// Share of glass in what is no metal.
-    pub spec_trans: Texture,
-    /// How much of the base's hue the highlight of what is no metal has.
-    pub spec_tint: Texture,
-    /// Strength of a lobe at grazing angles, as of cloth.
-    pub sheen: Texture,
-    /// How much of the base's hue the sheen has.
-    pub sheen_tint: Texture,
-    /// How much the diffuse part looks like subsurface scattering.
-    pub flatness: Texture,
-    /// Strength of a second, white highlight.
-    pub clearcoat: Texture,
-    /// How sharp the second highlight is.
-    pub clearcoat_gloss: Texture,
-    /// Index of the inside over that of the outside.
-    pub ior: RelativeIor,
-}
-
-impl PrincipledParameters {
-    /// A matt body of one colour, with a roughness of a half and nothing else.
-    pub fn new(base_color: impl Into<Texture>, ior: RelativeIor) -> Self {
-        let nothing = || Texture::from(0.0);
-        Self {
-            base_color: base_color.into(),
-            roughness: 0.5.into(),
-            anisotropic: nothing(),
-            metallic: nothing(),
-            spec_trans: nothing(),
-            spec_tint: nothing(),
-            sheen: nothing(),
-            sheen_tint: nothing(),
-            flatness: nothing(),
-            clearcoat: nothing(),
-            clearcoat_gloss: nothing(),
-            ior,
-        }
-    }
-}
 
 /// A mixture of plastic, metal and glass with sheen and a clear coat; without `spec_trans`, black
 /// from behind.
@@ -268,13 +221,47 @@ impl Point {
     }
 }
 
-/// Turns both directions over where the first comes from below.
-#[inline]
-fn from_above(wi: Local, wo: Local) -> (Local, Local) {
-    if wi.cos() >= 0.0 {
-        (wi, wo)
-    } else {
-        (wi.flipped(), wo.flipped())
+impl Point {
+    /// The numbers of [`Point::sample`].
+    fn invert(&self, wi: Local, wo: Local, spare: Spare) -> Option<SampleNumbers> {
+        let choice = self.choice(wi);
+        let reflects = wo.cos() > 0.0;
+        let m = if reflects {
+            halfway(wi, wo).0
+        } else {
+            refracting_normal(wi, wo, self.ior)?.0
+        };
+        let cos = wi.0.dot(m.0).min(1.0);
+        let (reflected, passed) = self.mirror_choice(cos, self.ior.refract(cos).reflectance);
+        let clearcoat = if reflects && choice.clearcoat > 0.0 {
+            choice.clearcoat * self.clearcoat.density(m, cos)
+        } else {
+            0.0
+        };
+        let densities = if reflects {
+            let mirrors = choice.mirrors * reflected * self.facets.reflected_density(wi, m);
+            [choice.matt * matt_density(wo.cos()), clearcoat, mirrors]
+        } else {
+            [0.0, 0.0, passed]
+        };
+        let (lobe, spare) = spare.choose(densities)?;
+        Some(match lobe {
+            0 => invert_matt(wo, spare)?.within(0.0, choice.matt),
+            1 => {
+                let numbers = spare.numbers.with_direction(self.clearcoat.invert(m));
+                numbers.within(choice.matt, choice.clearcoat)
+            }
+            _ => {
+                let u = self.facets.invert_visible(wi, m);
+                let (low, size) = if reflects {
+                    (0.0, reflected)
+                } else {
+                    (reflected, passed)
+                };
+                let numbers = spare.numbers.with_direction(u).within(low, size);
+                numbers.within(choice.matt + choice.clearcoat, choice.mirrors)
+            }
+        })
     }
 }
 
@@ -383,6 +370,24 @@ impl BsdfModel for Principled {
             }
         };
         (value, SolidAngleDensity(density))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Finite(wo) = sampled else {
+            return None;
+        };
+        if wi.cos() == 0.0 || wo.cos() == 0.0 || !self.transmits && wi.cos().min(wo.cos()) < 0.0 {
+            return None;
+        }
+        let point = self.at(wi, at);
+        let (wi, wo) = from_above(wi, wo);
+        point.invert(wi, wo, spare)
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

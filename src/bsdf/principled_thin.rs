@@ -2,57 +2,14 @@
 
 use super::disney::{Matt, alpha, hue, schlick};
 use super::fresnel::RelativeIor;
-use super::matt::{matt_density, sample_matt};
+use super::matt::{invert_matt, matt_density, sample_matt};
 use super::microfacet::{MicrofacetKind, Microfacets, halfway, mirrored_at};
-use super::{BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::principled_parameters::PrincipledThinParameters;
+use super::{BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport};
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, warp};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
-
-/// What a [`PrincipledThin`] material is made of; numbers lie in `[0, 1]` where nothing else is said.
-#[derive(Clone, Debug)]
-pub struct PrincipledThinParameters {
-    /// Colour of the diffuse part and of what goes through.
-    pub base_color: Texture,
-    /// Root of the microfacets' roughness.
-    pub roughness: Texture,
-    /// How much longer the highlight is across the tangent than along it.
-    pub anisotropic: Texture,
-    /// Share of glass.
-    pub spec_trans: Texture,
-    /// How much of the base's hue the highlight has.
-    pub spec_tint: Texture,
-    /// Strength of a lobe at grazing angles, as of cloth.
-    pub sheen: Texture,
-    /// How much of the base's hue the sheen has.
-    pub sheen_tint: Texture,
-    /// How much the diffuse part looks like subsurface scattering.
-    pub flatness: Texture,
-    /// How much of the diffuse part goes through: 0 none of it, 2 all of it.
-    pub diff_trans: Texture,
-    /// Index of the sheet over that of what is on either side.
-    pub ior: RelativeIor,
-}
-
-impl PrincipledThinParameters {
-    /// A matt sheet of one colour, with a roughness of a half and nothing else.
-    pub fn new(base_color: impl Into<Texture>, ior: RelativeIor) -> Self {
-        let nothing = || Texture::from(0.0);
-        Self {
-            base_color: base_color.into(),
-            roughness: 0.5.into(),
-            anisotropic: nothing(),
-            spec_trans: nothing(),
-            spec_tint: nothing(),
-            sheen: nothing(),
-            sheen_tint: nothing(),
-            flatness: nothing(),
-            diff_trans: nothing(),
-            ior,
-        }
-    }
-}
 
 /// A sheet without thickness, the same from both sides: partly matt, partly rough glass that does
 /// not bend light.
@@ -212,6 +169,45 @@ impl Point {
     }
 }
 
+impl Point {
+    /// The numbers of [`Point::sample`]; directions as for [`Point::eval`].
+    fn invert(
+        &self,
+        wi: Local,
+        wo: Local,
+        goes_through: bool,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let choice = self.choice(wi);
+        let m = halfway(wi, wo).0;
+        let glass = |facets: &Microfacets, choice: f32| choice * facets.reflected_density(wi, m);
+        let densities = if goes_through {
+            let by_cosine = warp::cosine_hemisphere_density(wo.cos());
+            let passing = glass(&self.passing, choice.passing);
+            [0.0, choice.behind * by_cosine, 0.0, passing]
+        } else {
+            let reflecting = glass(&self.reflecting, choice.reflecting);
+            [choice.matt * matt_density(wo.cos()), 0.0, reflecting, 0.0]
+        };
+        let (lobe, spare) = spare.choose(densities)?;
+        let sizes = [
+            choice.matt,
+            choice.behind,
+            choice.reflecting,
+            choice.passing,
+        ];
+        let low: f32 = sizes[..lobe].iter().sum();
+        let numbers = spare.numbers;
+        let numbers = match lobe {
+            0 => invert_matt(wo, spare)?,
+            1 => numbers.with_direction(warp::cosine_hemisphere_inverse(wo.0)),
+            2 => numbers.with_direction(self.reflecting.invert_visible(wi, m)),
+            _ => numbers.with_direction(self.passing.invert_visible(wi, m)),
+        };
+        Some(numbers.within(low, sizes[lobe]))
+    }
+}
+
 /// The direction above the surface.
 #[inline]
 fn above(direction: Local) -> Local {
@@ -308,6 +304,23 @@ impl BsdfModel for PrincipledThin {
         let goes_through = !wi.same_side(wo);
         let (value, density) = self.at(at).eval(above(wi), above(wo), goes_through);
         (value, SolidAngleDensity(density))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Finite(wo) = sampled else {
+            return None;
+        };
+        if wi.cos() == 0.0 || wo.cos() == 0.0 {
+            return None;
+        }
+        self.at(at)
+            .invert(above(wi), above(wo), !wi.same_side(wo), spare)
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -115,6 +115,18 @@ impl CoatPoint<'_> {
         (fresnel * density * self.facets.masking(wo), density)
     }
 
+    /// Density of [`CoatPoint::sample`], in 1/sr.
+    #[inline]
+    pub(super) fn density(&self, wi: Local, wo: Local) -> f32 {
+        self.facets.reflected_density(wi, halfway(wi, wo).0)
+    }
+
+    /// The numbers of [`CoatPoint::sample`].
+    #[inline]
+    pub(super) fn invert(&self, wi: Local, wo: Local) -> Vec2 {
+        self.facets.invert_visible(wi, halfway(wi, wo).0)
+    }
+
     /// Samples a direction that the coat reflects `wi` into.
     #[inline]
     pub(super) fn sample(&self, wi: Local, u: Vec2) -> Local {

@@ -6,7 +6,8 @@ use super::microfacet::MicrofacetKind;
 use super::rough_coat::{CoatPoint, RoughCoat};
 use super::varnish::Varnish;
 use super::{
-    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, Transport,
+    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers,
+    Sampled, Spare, Transport,
 };
 use crate::math::warp::ONE_MINUS_EPSILON;
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
@@ -167,6 +168,38 @@ impl BsdfModel for RoughCoating {
 
     fn component_count(&self) -> u8 {
         self.varnish.nested.component_count()
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        if wi.cos() <= 0.0 {
+            return None;
+        }
+        let coat = self.coat.at(at.uv);
+        let choice = self.choice(&coat, wi);
+        let mut spare = spare;
+        if let Sampled::Finite(wo) = sampled {
+            if wo.cos() <= 0.0 {
+                return None;
+            }
+            let below = self
+                .varnish
+                .eval_with_density(wi, wo, at, Transport::Importance);
+            let densities = [choice * coat.density(wi, wo), (1.0 - choice) * below.1.0];
+            let (lobe, rest) = spare.choose(densities)?;
+            if lobe == 0 {
+                let numbers = rest.numbers.with_direction(coat.invert(wi, wo));
+                return Some(numbers.within(0.0, choice));
+            }
+            spare = rest;
+        }
+        let numbers = self.varnish.invert(wi, sampled, at, spare)?;
+        (choice < 1.0).then(|| numbers.within(choice, 1.0 - choice))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -3,7 +3,7 @@
 use super::conductor::{EXAMPLE_METAL, conductor_reflectance};
 use super::fresnel::ComplexIor;
 use super::microfacet::{MicrofacetKind, Roughness, halfway, mirrored_at};
-use super::{BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::{BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -117,6 +117,23 @@ impl BsdfModel for RoughConductor {
             reflectance * (density * facets.masking(wo)),
             SolidAngleDensity(density),
         )
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        match sampled {
+            Sampled::Finite(wo) if wi.cos() > 0.0 && wo.cos() > 0.0 => {
+                let facets = self.roughness.at(at.uv);
+                let u = facets.invert_visible(wi, halfway(wi, wo).0);
+                Some(spare.numbers.with_direction(u))
+            }
+            _ => None,
+        }
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -1,8 +1,10 @@
 //! Ground glass.
 
 use super::fresnel::RelativeIor;
-use super::microfacet::{MicrofacetKind, Roughness, halfway, mirrored_at};
-use super::{BsdfError, BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::microfacet::{MicrofacetKind, Roughness, from_above, halfway, mirrored_at};
+use super::{
+    BsdfError, BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -56,11 +58,8 @@ impl RoughDielectric {
     #[inline]
     fn seen_from_above(&self, wi: Local, wo: Local) -> (Local, Local, RelativeIor) {
         let ior = self.ior.seen_from(wi.cos());
-        if wi.cos() >= 0.0 {
-            (wi, wo, ior)
-        } else {
-            (wi.flipped(), wo.flipped(), ior)
-        }
+        let (wi, wo) = from_above(wi, wo);
+        (wi, wo, ior)
     }
 }
 
@@ -200,6 +199,38 @@ impl BsdfModel for RoughDielectric {
             tint * (density * facets.masking(above)),
             SolidAngleDensity(density),
         )
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Finite(wo) = sampled else {
+            return None;
+        };
+        let (wi, wo, ior) = self.seen_from_above(wi, wo);
+        if wi.cos() == 0.0 || wo.cos() == 0.0 {
+            return None;
+        }
+        let facets = self.roughness.at(at.uv);
+        let reflects = wo.cos() > 0.0;
+        let m = if reflects {
+            halfway(wi, wo).0
+        } else {
+            refracting_normal(wi, wo, ior)?.0
+        };
+        let reflectance = ior.refract(wi.0.dot(m.0).min(1.0)).reflectance;
+        let (low, size) = if reflects {
+            (0.0, reflectance)
+        } else {
+            (reflectance, 1.0 - reflectance)
+        };
+        let u = facets.invert_visible(wi, m);
+        let numbers = spare.numbers.with_direction(u);
+        (size > 0.0).then(|| numbers.within(low, size))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

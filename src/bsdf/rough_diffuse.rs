@@ -2,8 +2,8 @@
 
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 
-use super::matt::{matt_density, sample_matt};
-use super::{BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::matt::{invert_matt, matt_density, sample_matt};
+use super::{BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -150,6 +150,19 @@ impl BsdfModel for RoughDiffuse {
             return SolidAngleDensity::ZERO;
         }
         SolidAngleDensity(matt_density(wo.cos()))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        _at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        match sampled {
+            Sampled::Finite(wo) if wi.cos() > 0.0 => invert_matt(wo, spare),
+            _ => None,
+        }
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -6,7 +6,7 @@ use super::coat::CoatedBase;
 use super::fresnel::RelativeIor;
 use super::microfacet::MicrofacetKind;
 use super::rough_coat::{CoatPoint, RoughCoat};
-use super::{BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::{BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, warp};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -138,6 +138,33 @@ impl BsdfModel for RoughPlastic {
         let density =
             choice * reflected + (1.0 - choice) * warp::cosine_hemisphere_density(wo.cos());
         (specular + diffuse, SolidAngleDensity(density))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Finite(wo) = sampled else {
+            return None;
+        };
+        if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
+            return None;
+        }
+        let coat = self.coat.at(at.uv);
+        let choice = self.specular_choice(&coat, wi);
+        let by_cosine = warp::cosine_hemisphere_density(wo.cos());
+        let densities = [choice * coat.density(wi, wo), (1.0 - choice) * by_cosine];
+        let (lobe, spare) = spare.choose(densities)?;
+        if lobe == 0 {
+            let numbers = spare.numbers.with_direction(coat.invert(wi, wo));
+            return Some(numbers.within(0.0, choice));
+        }
+        let u = warp::cosine_hemisphere_inverse(wo.0);
+        let numbers = spare.numbers.with_direction(u);
+        Some(numbers.within(choice, 1.0 - choice))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -2,7 +2,7 @@
 
 use super::{
     Bsdf, BsdfError, BsdfModel, BsdfSample, BumpMap, Component, Conductor, Diffuse, DiracEvent,
-    LobeSet, Plastic, RoughConductor, Transport,
+    LobeSet, Plastic, RoughConductor, SampleNumbers, Sampled, Spare, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -213,6 +213,24 @@ impl BsdfModel for TwoSided {
     fn component_count(&self) -> u8 {
         let behind = self.back.as_ref().map_or(0, |back| back.component_count());
         self.front.component_count() + behind
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let (bsdf, turn) = self.side(wi);
+        let sampled = match sampled {
+            Sampled::Finite(wo) => Sampled::Finite(turn.over(wo)),
+            Sampled::Dirac(component) => {
+                let nested = component.0.checked_sub(self.first_component(wi))?;
+                Sampled::Dirac(Component(nested))
+            }
+        };
+        bsdf.invert(turn.over(wi), sampled, at, spare)
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -1,7 +1,10 @@
 //! What smooth and rough coatings share: a layer of varnish over any material that reflects.
 
 use super::fresnel::RelativeIor;
-use super::{Bsdf, BsdfError, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, Transport};
+use super::{
+    Bsdf, BsdfError, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, SampleNumbers, Sampled,
+    Spare, Transport,
+};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -145,6 +148,23 @@ impl Varnish {
         } = self.nested.sample(inside, at, transport, u_lobe, u)?;
         let wo = self.bend_out(direction)?.outside;
         Some((wo, lobe, component))
+    }
+
+    /// The numbers of [`Varnish::sample`].
+    pub(super) fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let sampled = match sampled {
+            Sampled::Finite(wo) if wo.cos() > 0.0 => Sampled::Finite(self.bend_in(wo)?.inside),
+            Sampled::Finite(_) => return None,
+            dirac => dirac,
+        };
+        let inside = self.bend_in(wi)?.inside;
+        self.nested.invert(inside, sampled, at, spare)
     }
 
     /// One of the material's Dirac components, seen from outside.

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use super::microfacet::{MicrofacetKind, Microfacets, halfway, mirrored_at};
 use super::phong::Highlight;
-use super::{BsdfModel, BsdfSample, Lobe, LobeSet, Transport};
+use super::{BsdfModel, BsdfSample, Lobe, LobeSet, SampleNumbers, Sampled, Spare, Transport};
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
@@ -162,6 +162,39 @@ impl BsdfModel for Ward {
         let density =
             choice * peak * m.cos() + (1.0 - choice) * warp::cosine_hemisphere_density(wo.cos());
         (value, SolidAngleDensity(density))
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let Sampled::Finite(wo) = sampled else {
+            return None;
+        };
+        if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
+            return None;
+        }
+        let (m, cos) = halfway(wi, wo);
+        let alpha = self.alpha(at);
+        let facets = Microfacets::new(MicrofacetKind::Beckmann, alpha);
+        let choice = self.colours.choice;
+        let densities = [
+            choice * facets.normal_density(m) / (4.0 * cos) * m.cos(),
+            (1.0 - choice) * warp::cosine_hemisphere_density(wo.cos()),
+        ];
+        let (lobe, spare) = spare.choose(densities)?;
+        if lobe == 0 {
+            let slope = m.0.truncate() / m.cos() / alpha;
+            let height = -(-slope.length_squared()).exp_m1();
+            let u = Vec2::new(warp::turn(slope), height);
+            return Some(spare.numbers.with_direction(u).within(0.0, choice));
+        }
+        let u = warp::cosine_hemisphere_inverse(wo.0);
+        let numbers = spare.numbers.with_direction(u);
+        Some(numbers.within(choice, 1.0 - choice))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

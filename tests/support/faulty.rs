@@ -1,6 +1,9 @@
 //! Materials with planted errors: they prove that the tests can fail.
 
-use lumiflow::bsdf::{Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, LobeSet, Transport};
+use lumiflow::bsdf::{
+    Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, LobeSet, SampleNumbers, Sampled, Spare,
+    Transport,
+};
 use lumiflow::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use lumiflow::shape::SurfacePoint;
 
@@ -19,6 +22,10 @@ pub(crate) enum Fault {
     EtaSquared,
     /// `follow` gives probabilities 10 % too small.
     Selection,
+    /// `invert` mirrors the first of the direction's numbers.
+    Inverse,
+    /// `invert` squares the lobe's number.
+    SpareLobe,
 }
 
 /// A material with one fault.
@@ -99,6 +106,29 @@ impl BsdfModel for Faulty {
 
     fn component_count(&self) -> u8 {
         self.bsdf.component_count()
+    }
+
+    fn invert(
+        &self,
+        wi: Local,
+        sampled: Sampled,
+        at: &SurfacePoint,
+        spare: Spare,
+    ) -> Option<SampleNumbers> {
+        let numbers = self.bsdf.invert(wi, sampled, at, spare)?;
+        let mirrored = Vec2::new(1.0 - numbers.u.x, numbers.u.y).min(Vec2::splat(0.999_999));
+        Some(match self.fault {
+            Fault::Inverse => SampleNumbers {
+                u: mirrored,
+                ..numbers
+            },
+            // One lobe is taken for another now and then.
+            Fault::SpareLobe => SampleNumbers {
+                u_lobe: numbers.u_lobe * numbers.u_lobe,
+                ..numbers
+            },
+            _ => numbers,
+        })
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

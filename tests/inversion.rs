@@ -1,0 +1,170 @@
+//! Samplers can be undone: from a direction back to numbers that make it, and those are uniform.
+
+use lumiflow::bsdf::{BsdfModel, BsdfSample, SampleNumbers, Sampled, Spare, Transport};
+use lumiflow::math::Local;
+use lumiflow::math::statistics::sidak;
+use lumiflow::random::{Purpose, Stream};
+use statrs::function::gamma::gamma_ur;
+
+use crate::support::effort::{level, samples, seed};
+use crate::support::faulty::{Fault, Faulty};
+use crate::support::materials::{Case, cases, direction, numbers, surface_point};
+
+fn sample(bsdf: &dyn BsdfModel, wi: Local, numbers: SampleNumbers) -> Option<BsdfSample> {
+    let SampleNumbers { u_lobe, u } = numbers;
+    bsdf.sample(wi, &surface_point(), Transport::Radiance, u_lobe, u)
+}
+
+fn what(sample: &BsdfSample) -> Sampled {
+    if sample.lobe.is_dirac() {
+        Sampled::Dirac(sample.component)
+    } else {
+        Sampled::Finite(sample.direction)
+    }
+}
+
+fn uniform(stream: &mut Stream) -> SampleNumbers {
+    let (u_lobe, u) = numbers(stream);
+    SampleNumbers { u_lobe, u }
+}
+
+/// A sample of uniform numbers, those numbers, and numbers that lead back to it.
+struct RoundTrip {
+    sample: BsdfSample,
+    there: SampleNumbers,
+    back: Option<SampleNumbers>,
+}
+
+fn round_trip(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Option<RoundTrip> {
+    let there = uniform(stream);
+    let spare = Spare {
+        lobe: stream.next_f32(),
+        numbers: uniform(stream),
+    };
+    let sample = sample(bsdf, wi, there)?;
+    let back = bsdf.invert(wi, what(&sample), &surface_point(), spare);
+    Some(RoundTrip {
+        sample,
+        there,
+        back,
+    })
+}
+
+/// Share of samples that come out elsewhere when they are made anew from the numbers found.
+///
+/// A few may: where two lobes meet, or where a mirror is so slanted that its normal has no digits.
+fn lost(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> f64 {
+    const FAR: f32 = 4e-3;
+    let (mut count, mut lost) = (0, 0);
+    for _ in 0..samples(2000) {
+        let Some(trip) = round_trip(bsdf, wi, stream) else {
+            continue;
+        };
+        count += 1;
+        let again = trip.back.and_then(|numbers| sample(bsdf, wi, numbers));
+        let is_same = again.is_some_and(|again| {
+            let near = again.direction.0.distance(trip.sample.direction.0) < FAR;
+            let same_kind = again.lobe.is_dirac() == trip.sample.lobe.is_dirac();
+            near && same_kind && again.component == trip.sample.component
+        });
+        lost += u32::from(!is_same);
+    }
+    f64::from(lost) / f64::from(count.max(1))
+}
+
+/// Chance that the numbers found are spread like those that were given, over 4 × 4 × 4 cells.
+fn spread_p(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Option<f64> {
+    const SIDE: usize = 4;
+    let cell = |numbers: SampleNumbers| {
+        let place = |u: f32| ((u * SIDE as f32) as usize).min(SIDE - 1);
+        let across = place(numbers.u.x) + SIDE * place(numbers.u.y);
+        place(numbers.u_lobe) + SIDE * across
+    };
+    let mut given = vec![0.0; SIDE * SIDE * SIDE];
+    let mut found = given.clone();
+    // Samples apart for both, or the two counts would depend on each other.
+    for number in 0..samples(40_000) {
+        let Some(trip) = round_trip(bsdf, wi, stream) else {
+            continue;
+        };
+        if number % 2 == 0 {
+            given[cell(trip.there)] += 1.0;
+        } else if let Some(back) = trip.back {
+            found[cell(back)] += 1.0;
+        }
+    }
+    two_samples_p(&given, &found)
+}
+
+/// Chance (Pearson's χ²) that two histograms come from one distribution.
+fn two_samples_p(first: &[f64], second: &[f64]) -> Option<f64> {
+    let sums = [first, second].map(|counts| counts.iter().sum::<f64>());
+    let total = sums[0] + sums[1];
+    let kept: Vec<(f64, f64)> = first
+        .iter()
+        .zip(second)
+        .filter(|(a, b)| **a + **b >= 20.0)
+        .map(|(a, b)| (*a, *b))
+        .collect();
+    if kept.len() < 2 {
+        return None;
+    }
+    let of = |(a, b): &(f64, f64)| {
+        let [ea, eb] = sums.map(|sum| (a + b) * sum / total);
+        (a - ea).powi(2) / ea + (b - eb).powi(2) / eb
+    };
+    let statistic: f64 = kept.iter().map(of).sum();
+    Some(gamma_ur((kept.len() as f64 - 1.0) / 2.0, statistic / 2.0))
+}
+
+/// Every example from every view; samplers do not ask for the transport.
+fn all() -> Vec<Case> {
+    cases(seed(71))
+        .into_iter()
+        .filter(|case| case.transport == Transport::Radiance)
+        .collect()
+}
+
+#[test]
+fn numbers_found_make_the_same_sample() {
+    for mut case in all() {
+        let share = lost(&case.bsdf, case.wi, &mut case.stream);
+        assert!(share < 5e-3, "{}: {share} are lost", case.name);
+    }
+}
+
+#[test]
+fn numbers_found_are_spread_like_those_given() {
+    let cases = all();
+    let level = sidak(level(0.01), cases.len());
+    for mut case in cases {
+        let p = spread_p(&case.bsdf, case.wi, &mut case.stream);
+        assert!(p.unwrap_or(1.0) > level, "{}: p = {p:?}", case.name);
+    }
+}
+
+#[test]
+fn planted_errors_are_found() {
+    let mut stream = Stream::new(seed(72), Purpose::Check, 0, 0);
+    let wi = direction(50.0, 70.0);
+    for name in [
+        "Diffuse",
+        "RoughConductor",
+        "Principled",
+        "RoughCoating",
+        "Mixture",
+    ] {
+        let example = || {
+            let all = lumiflow::bsdf::Bsdf::examples();
+            all.into_iter().find(|bsdf| bsdf.name() == name).unwrap()
+        };
+        let faulty = |fault| Faulty {
+            bsdf: example(),
+            fault,
+        };
+        let share = lost(&faulty(Fault::Inverse), wi, &mut stream);
+        assert!(share > 0.1, "{name}: {share}");
+        let p = spread_p(&faulty(Fault::SpareLobe), wi, &mut stream);
+        assert!(p.is_some_and(|p| p < 1e-6), "{name}: {p:?}");
+    }
+}
