@@ -1,6 +1,7 @@
 //! All integration tests in one binary: one link step.
 
 mod agreement;
+mod antialiasing;
 mod balance;
 mod chi_square;
 mod cli;
