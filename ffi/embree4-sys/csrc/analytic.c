@@ -10,6 +10,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 static const double two_pi = 6.283185307179586476925286766559;
 
@@ -177,29 +178,75 @@ static void describe_cylinder(const struct ShimShape *shape, const struct Crossi
     hit->v = (float)position[2];
 }
 
-/* The safe face traces single rays only, so every callback is for exactly one (N == 1), and
- * Embree's N-wide structures are then the plain ones. */
+/* A member of one ray of a packet: for each member in turn a packet has those of all `count` rays,
+ * where a ray alone has one. */
+#define OF_LANE(type, packet, count, lane, structure, member)                                      \
+    (((type *)(packet))[(count) * (offsetof(structure, member) / sizeof(type)) + (lane)])
+#define OF_RAY(packet, count, lane, member)                                                        \
+    OF_LANE(float, packet, count, lane, struct RTCRay, member)
+#define OF_HIT(type, packet, count, lane, member)                                                  \
+    OF_LANE(type, packet, count, lane, struct RTCRayHit, hit.member)
+
+static struct RTCRay ray_of_lane(void *packet, unsigned count, unsigned lane)
+{
+    struct RTCRay ray;
+    ray.org_x = OF_RAY(packet, count, lane, org_x);
+    ray.org_y = OF_RAY(packet, count, lane, org_y);
+    ray.org_z = OF_RAY(packet, count, lane, org_z);
+    ray.tnear = OF_RAY(packet, count, lane, tnear);
+    ray.dir_x = OF_RAY(packet, count, lane, dir_x);
+    ray.dir_y = OF_RAY(packet, count, lane, dir_y);
+    ray.dir_z = OF_RAY(packet, count, lane, dir_z);
+    ray.tfar = OF_RAY(packet, count, lane, tfar);
+    return ray;
+}
+
+static void store_hit(const struct RTCIntersectFunctionNArguments *arguments, unsigned lane,
+                      float distance, const struct RTCHit *found)
+{
+    unsigned count = arguments->N;
+    void *packet = arguments->rayhit;
+    OF_RAY(packet, count, lane, tfar) = distance;
+    OF_HIT(float, packet, count, lane, Ng_x) = found->Ng_x;
+    OF_HIT(float, packet, count, lane, Ng_y) = found->Ng_y;
+    OF_HIT(float, packet, count, lane, Ng_z) = found->Ng_z;
+    OF_HIT(float, packet, count, lane, u) = found->u;
+    OF_HIT(float, packet, count, lane, v) = found->v;
+    OF_HIT(unsigned, packet, count, lane, primID) = arguments->primID;
+    OF_HIT(unsigned, packet, count, lane, geomID) = arguments->geomID;
+    OF_HIT(unsigned, packet, count, lane, instID[0]) = arguments->context->instID[0];
+}
+
+/* Embree asks about one ray or about a packet; of a packet often about one ray only. */
 #define CALLBACKS(name)                                                                            \
     static void intersect_##name(const struct RTCIntersectFunctionNArguments *arguments)           \
     {                                                                                              \
         const struct ShimShape *shape = arguments->geometryUserPtr;                                \
-        struct RTCRayHit *ray_hit = (struct RTCRayHit *)arguments->rayhit;                         \
-        struct Crossing crossing;                                                                  \
-        if (!arguments->valid[0] || !cross_##name(shape, &ray_hit->ray, &crossing))                \
-            return;                                                                                \
-        ray_hit->ray.tfar = crossing.distance;                                                     \
-        describe_##name(shape, &crossing, &ray_hit->hit);                                          \
-        ray_hit->hit.primID = arguments->primID;                                                   \
-        ray_hit->hit.geomID = arguments->geomID;                                                   \
-        ray_hit->hit.instID[0] = arguments->context->instID[0];                                    \
+        unsigned count = arguments->N;                                                             \
+        for (unsigned lane = 0; lane < count; lane++) {                                            \
+            struct Crossing crossing;                                                              \
+            struct RTCHit found;                                                                   \
+            if (!arguments->valid[lane])                                                           \
+                continue;                                                                          \
+            struct RTCRay ray = ray_of_lane(arguments->rayhit, count, lane);                        \
+            if (!cross_##name(shape, &ray, &crossing))                                             \
+                continue;                                                                          \
+            describe_##name(shape, &crossing, &found);                                             \
+            store_hit(arguments, lane, crossing.distance, &found);                                 \
+        }                                                                                          \
     }                                                                                              \
     static void occluded_##name(const struct RTCOccludedFunctionNArguments *arguments)             \
     {                                                                                              \
         const struct ShimShape *shape = arguments->geometryUserPtr;                                \
-        struct RTCRay *ray = (struct RTCRay *)arguments->ray;                                      \
-        struct Crossing crossing;                                                                  \
-        if (arguments->valid[0] && cross_##name(shape, ray, &crossing))                            \
-            ray->tfar = -INFINITY;                                                                 \
+        unsigned count = arguments->N;                                                             \
+        for (unsigned lane = 0; lane < count; lane++) {                                            \
+            struct Crossing crossing;                                                              \
+            if (!arguments->valid[lane])                                                           \
+                continue;                                                                          \
+            struct RTCRay ray = ray_of_lane(arguments->ray, count, lane);                           \
+            if (cross_##name(shape, &ray, &crossing))                                              \
+                OF_RAY(arguments->ray, count, lane, tfar) = -INFINITY;                             \
+        }                                                                                          \
     }
 
 CALLBACKS(sphere)

@@ -25,6 +25,8 @@ _Static_assert(offsetof(struct RTCHit, instID) == 28, "RTCHit.instID is at byte 
 _Static_assert(sizeof(struct RTCRayHit) == 48 + EXPECTED_HIT_BYTES, "no gap between ray and hit");
 _Static_assert(RTC_INVALID_GEOMETRY_ID == 0xFFFFFFFFu, "the Rust side names no id by this");
 _Static_assert(_Alignof(struct RTCRay) >= 16, "quarters of a ray are aligned");
+_Static_assert(sizeof(struct RTCRay8) == 8 * 48, "eight rays have no gaps");
+_Static_assert(_Alignof(struct RTCRay8) == 32, "packets are aligned by 32 bytes");
 _Static_assert(sizeof(struct ShimHit) == 36, "ShimHit has no padding");
 _Static_assert(offsetof(struct ShimHit, primitive) == 12, "distance to primitive are one piece");
 _Static_assert(sizeof(struct ShimShape) == 24 + 13 * sizeof(double), "ShimShape has no padding");
@@ -93,6 +95,28 @@ bool shim_occluded(RTCScene scene, float origin_x, float origin_y, float origin_
     rtcOccluded1(scene, &context, &ray);
 #endif
     return ray.tfar == -INFINITY;
+}
+
+void shim_intersect_packet(RTCScene scene, const int *valid, struct RTCRayHit8 *query)
+{
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect8(valid, scene, query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect8(valid, scene, &context, query);
+#endif
+}
+
+void shim_occluded_packet(RTCScene scene, const int *valid, struct RTCRay8 *rays)
+{
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded8(valid, scene, rays, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(valid, scene, &context, rays);
+#endif
 }
 
 const char *shim_error_message(RTCDevice device)

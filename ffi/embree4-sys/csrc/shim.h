@@ -48,6 +48,14 @@ bool shim_intersect(RTCScene scene, float origin_x, float origin_y, float origin
 bool shim_occluded(RTCScene scene, float origin_x, float origin_y, float origin_z, float near,
                    float direction_x, float direction_y, float direction_z, float far);
 
+/* The same for eight rays at once, in Embree's own layout; -1 in `valid`, which is aligned by 32
+ * bytes, for rays to trace, 0 for others. Rays are not taken for coherent: what becomes of one ray
+ * would then depend on the others. */
+void shim_intersect_packet(RTCScene scene, const int *valid, struct RTCRayHit8 *query);
+
+/* Whether anything is hit, for eight rays at once: `tfar` of a ray becomes minus infinity. */
+void shim_occluded_packet(RTCScene scene, const int *valid, struct RTCRay8 *rays);
+
 /* A new, uncommitted user geometry with one primitive; NULL on error. */
 RTCGeometry shim_new_analytic(RTCDevice device, enum ShimKind kind, const struct ShimShape *shape);
 

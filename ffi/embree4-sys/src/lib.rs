@@ -40,6 +40,7 @@ mod builder;
 mod denormals;
 mod device;
 mod error;
+mod packets;
 mod scene;
 
 /// What bindgen made of `csrc/shim.h` and the installed headers.

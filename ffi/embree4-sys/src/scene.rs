@@ -206,7 +206,7 @@ impl CommittedScene {
 /// not-a-number in it, where other builds visit the whole tree. Written so that not-a-number
 /// fails.
 #[inline]
-fn is_traceable(ray: &Ray) -> bool {
+pub(crate) fn is_traceable(ray: &Ray) -> bool {
     let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
     // One comparison for nearly all rays: no coordinate is larger than the sum of all.
     let sum = (x.abs() + y.abs() + z.abs()) + (dx.abs() + dy.abs() + dz.abs());
