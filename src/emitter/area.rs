@@ -44,6 +44,57 @@ impl Area {
     }
 }
 
+impl Area {
+    /// As [`Emitter::sample_toward_then`](super::Emitter::sample_toward_then).
+    #[inline(always)]
+    pub(super) fn sample_toward_then<R>(
+        &self,
+        from: Vec3,
+        u: Vec2,
+        then: impl FnOnce(EmitterSample) -> R,
+    ) -> Option<R> {
+        if let Shape::TriangleMesh(mesh) = &*self.shape {
+            let (point, density) = mesh.sample_toward(from, u)?;
+            self.seen(from, point, density).map(then)
+        } else {
+            self.sample_toward_apart(from, u).map(then)
+        }
+    }
+
+    /// Out of line: paths have the code of triangles alone right where they need it.
+    #[inline(never)]
+    fn sample_toward_apart(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+        let (point, density) = self.shape.sample_toward(from, u)?;
+        self.seen(from, point, density)
+    }
+
+    /// The sample of a point of the shape; `None` where it shows its back.
+    #[inline(always)]
+    fn seen(
+        &self,
+        from: Vec3,
+        point: SurfacePoint,
+        density: SolidAngleDensity,
+    ) -> Option<EmitterSample> {
+        let edge = point.position - from;
+        // Before anything that costs more: half of all directions meet the back.
+        if point.geometric_normal.dot(edge) >= 0.0 {
+            return None;
+        }
+        let direction = edge * (1.0 / edge.length());
+        let radiance = self.radiance.colour(point.uv);
+        let target = Some(point.ray_origin(-direction));
+        Some(EmitterSample {
+            direction,
+            target,
+            radiance,
+            density,
+            is_dirac: false,
+            surface: Some(point),
+        })
+    }
+}
+
 /// Middle of a shape and the mean squared distance of its points from there, from a few of them.
 fn middle(shape: &Shape) -> (Vec3, f32) {
     const SIDE: u32 = 8;
@@ -106,23 +157,7 @@ impl EmitterModel for Area {
 
     #[inline(always)]
     fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        let (point, density) = self.shape.sample_toward(from, u)?;
-        let edge = point.position - from;
-        // Before anything that costs more: half of all directions meet the back.
-        if point.geometric_normal.dot(edge) >= 0.0 {
-            return None;
-        }
-        let direction = edge * (1.0 / edge.length());
-        let radiance = self.radiance.colour(point.uv);
-        let target = Some(point.ray_origin(-direction));
-        Some(EmitterSample {
-            direction,
-            target,
-            radiance,
-            density,
-            is_dirac: false,
-            surface: Some(point),
-        })
+        self.sample_toward_then(from, u, |sample| sample)
     }
 
     #[inline]

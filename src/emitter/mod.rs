@@ -162,6 +162,31 @@ pub trait EmitterModel {
     }
 }
 
+impl Emitter {
+    /// [`EmitterModel::sample_toward`], with what becomes of the sample.
+    ///
+    /// What is done with samples of the commonest lights is written out where they are made: a
+    /// sample that passes through memory costs as much as making it.
+    #[inline(always)]
+    pub fn sample_toward_then<R>(
+        &self,
+        from: Vec3,
+        u: Vec2,
+        then: impl FnOnce(EmitterSample) -> R,
+    ) -> Option<R> {
+        if let Self::Area(area) = self {
+            area.sample_toward_then(from, u, then)
+        } else {
+            self.sample_toward_apart(from, u).map(then)
+        }
+    }
+
+    #[inline(never)]
+    fn sample_toward_apart(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+        self.sample_toward(from, u)
+    }
+}
+
 /// Writes the enum of all emitters and forwards [`EmitterModel`] to its variants.
 macro_rules! emitter_models {
     ($($(#[$doc:meta])* $model:ident,)*) => {

@@ -44,12 +44,16 @@ impl SampledWindow {
     }
 
     /// The pixels of a unit of work, row by row.
-    pub(super) fn pixels(self, unit: u32) -> impl Iterator<Item = (i32, i32)> {
+    pub(super) fn pixels(self, unit: u32) -> impl ExactSizeIterator<Item = (i32, i32)> {
         let columns = self.width.div_ceil(BLOCK);
         let (left, top) = ((unit % columns) * BLOCK, (unit / columns) * BLOCK);
-        let right = (left + BLOCK).min(self.width);
-        (top..(top + BLOCK).min(self.height))
-            .flat_map(move |y| (left..right).map(move |x| (self.x + x as i32, self.y + y as i32)))
+        let width = (self.width - left).min(BLOCK);
+        let height = (self.height - top).min(BLOCK);
+        let (left, top) = (self.x + left as i32, self.y + top as i32);
+        (0..width * height).map(move |index| {
+            let (x, y) = (index % width, index / width);
+            (left + x as i32, top + y as i32)
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Direct light.
 
-use super::path::is_lit;
+use super::path::shadow_ray;
 use super::pixel::{Estimate, PixelIntegrator, first_surface};
 use super::render::Counters;
 use crate::bsdf::{BsdfModel, Transport};
@@ -63,7 +63,8 @@ impl Direct {
             return None;
         }
         counters.rays += 1;
-        if !is_lit(scene, hit, &sample) {
+        let shadow = shadow_ray(hit, sample.target, sample.direction);
+        if scene.accel().is_occluded(&shadow) {
             return None;
         }
         let count = self.emitter_samples as f32;

@@ -13,6 +13,7 @@ mod path;
 mod pixel;
 mod pmc_er;
 mod render;
+mod wave;
 
 pub use aov::Aov;
 pub use depth::Depth;

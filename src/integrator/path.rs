@@ -1,11 +1,12 @@
 //! Path tracing.
 
-use super::pixel::{Estimate, PixelIntegrator, first_surface};
+use super::pixel::{Estimate, PixelIntegrator, first_hit};
 use super::render::Counters;
+use super::wave::Wave;
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, Transport};
-use crate::emitter::{EmitterModel, EmitterSample};
-use crate::math::{Local, Rgb, Vec3};
+use crate::emitter::EmitterModel;
+use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::path::Heuristic;
 use crate::random::Sampler;
 use crate::scene::options::{OptionError, OptionReader};
@@ -39,13 +40,24 @@ struct Departure {
     density: Option<f32>,
 }
 
-/// What a path carries along.
-struct Walk {
+/// A path under way: what it has collected, and what it carries along.
+pub(super) struct Walk {
+    /// What it has collected.
+    pub(super) estimate: Estimate,
     throughput: Rgb,
     /// Product of [`BsdfSample::eta`] over the events so far: refraction has made radiance grow by
     /// its square.
     eta: f32,
     departure: Departure,
+    sampler: Sampler,
+}
+
+/// Light that arrives if a ray is free.
+pub(super) struct Connection {
+    /// From the surface to the emitter.
+    pub(super) ray: Ray,
+    /// What arrives at the camera, in W·m⁻²·sr⁻¹.
+    pub(super) radiance: Rgb,
 }
 
 impl PathTracer {
@@ -93,42 +105,8 @@ impl PathTracer {
         radiance * weight
     }
 
-    /// Light that a sampled direction to an emitter brings.
-    fn connected(
-        &self,
-        scene: &Scene,
-        hit: &Interaction<'_>,
-        sampler: &mut Sampler,
-        counters: &mut Counters,
-    ) -> Rgb {
-        let u = sampler.next_2d();
-        let Some(chosen) = scene.lights().sample_toward(hit.point.position, u) else {
-            return Rgb::BLACK;
-        };
-        let sample = chosen.sample;
-        let wo = hit.frame.to_local(sample.direction);
-        if self.strict_normals && !sides_agree(hit, wo, sample.direction) {
-            return Rgb::BLACK;
-        }
-        let (value, own) = hit
-            .bsdf
-            .eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
-        if value.is_black() {
-            return Rgb::BLACK;
-        }
-        counters.rays += 1;
-        if !is_lit(scene, hit, &sample) {
-            return Rgb::BLACK;
-        }
-        let weight = if sample.is_dirac {
-            1.0
-        } else {
-            self.heuristic.first_weight(sample.density.0, own.0)
-        };
-        value * sample.radiance * (weight / sample.density.0)
-    }
-
     /// Samples the next direction; `None` ends the path.
+    #[inline(always)]
     fn scatter(&self, hit: &Interaction<'_>, sampler: &mut Sampler) -> Option<(BsdfSample, Ray)> {
         let u_lobe = if hit.lobes.single {
             0.0
@@ -145,14 +123,14 @@ impl PathTracer {
     }
 
     /// Russian roulette: ends weak paths, and strengthens those that go on; false ends the path.
-    fn survives(&self, depth: u32, walk: &mut Walk, sampler: &mut Sampler) -> bool {
+    fn survives(&self, depth: u32, walk: &mut Walk) -> bool {
         if depth < self.rr_depth {
             return true;
         }
         // Without the growth by refraction, which is undone on the way out.
         let energy = walk.throughput.max_channel() / (walk.eta * walk.eta);
         let survival = energy.min(0.95);
-        if sampler.next_1d() >= survival {
+        if walk.sampler.next_1d() >= survival {
             return false;
         }
         walk.throughput *= 1.0 / survival;
@@ -160,7 +138,128 @@ impl PathTracer {
     }
 }
 
+impl PathTracer {
+    /// A path that has not left the camera yet.
+    #[inline]
+    fn start(&self, ray: &Ray, sampler: Sampler) -> Walk {
+        Walk {
+            estimate: Estimate {
+                radiance: Rgb::BLACK,
+                alpha: 0.0,
+            },
+            throughput: Rgb::WHITE,
+            eta: 1.0,
+            departure: Departure {
+                position: ray.origin(),
+                density: None,
+            },
+            sampler,
+        }
+    }
+
+    /// Whether paths may have so many edges.
+    #[inline]
+    pub(super) fn allows(&self, depth: u32) -> bool {
+        depth <= self.max_depth
+    }
+
+    /// Whether an edge, counted from 1, sees through emitting surfaces.
+    #[inline]
+    pub(super) fn sees_through_emitters(&self, depth: u32) -> bool {
+        depth == 1 && self.hide_emitters
+    }
+
+    /// Ends a path whose ray has met no surface.
+    ///
+    /// - `depth`: edges of the path that ends at the ray's other end.
+    #[inline]
+    pub(super) fn escape(&self, scene: &Scene, depth: u32, walk: &mut Walk, ray: &Ray) {
+        if !self.sees_through_emitters(depth) {
+            let met = self.met_environment(scene, walk, ray.direction());
+            walk.estimate.radiance += walk.throughput * met;
+        }
+    }
+
+    /// Takes the light of a surface that a ray has met by chance; false ends the path.
+    ///
+    /// - `depth`: edges of the path that ends there.
+    #[inline(always)]
+    pub(super) fn arrive(
+        &self,
+        scene: &Scene,
+        depth: u32,
+        walk: &mut Walk,
+        hit: &Interaction<'_>,
+    ) -> bool {
+        walk.estimate.radiance += walk.throughput * self.met_surface(scene, walk, hit);
+        let is_last = depth == self.max_depth;
+        if is_last {
+            walk.estimate.alpha = 1.0;
+        }
+        !is_last
+    }
+
+    /// Samples a direction to an emitter, where the material has a lobe that it can be for.
+    ///
+    /// What it brings belongs to the estimate, if the ray is free, before the path meets its next
+    /// surface.
+    #[inline(always)]
+    pub(super) fn connect(
+        &self,
+        scene: &Scene,
+        walk: &mut Walk,
+        hit: &Interaction<'_>,
+    ) -> Option<Connection> {
+        if !hit.lobes.finite {
+            return None;
+        }
+        let u = walk.sampler.next_2d();
+        let aim = aim(scene, hit.point.position, u)?;
+        let wo = hit.frame.to_local(aim.direction);
+        if self.strict_normals && !sides_agree(hit, wo, aim.direction) {
+            return None;
+        }
+        let (value, own) = hit
+            .bsdf
+            .eval_with_density(hit.wi, wo, &hit.point, Transport::Radiance);
+        if value.is_black() {
+            return None;
+        }
+        let weight = if aim.is_dirac {
+            1.0
+        } else {
+            self.heuristic.first_weight(aim.density, own.0)
+        };
+        let connected = value * aim.radiance * (weight / aim.density);
+        Some(Connection {
+            ray: shadow_ray(hit, aim.target, aim.direction),
+            radiance: walk.throughput * connected,
+        })
+    }
+
+    /// Leaves a surface in a direction of its material; `None` ends the path.
+    ///
+    /// - `depth`: edges of the path that ends at the surface.
+    #[inline(always)]
+    pub(super) fn depart(&self, depth: u32, walk: &mut Walk, hit: &Interaction<'_>) -> Option<Ray> {
+        let scattered = self.scatter(hit, &mut walk.sampler);
+        if !matches!(&scattered, Some((sample, _)) if sample.lobe == Lobe::Null) {
+            walk.estimate.alpha = 1.0;
+        }
+        let (sample, ray) = scattered?;
+        walk.throughput *= sample.weight;
+        walk.eta *= sample.eta;
+        let density = (!sample.lobe.is_dirac()).then_some(sample.density);
+        walk.departure = Departure {
+            position: hit.point.position,
+            density,
+        };
+        self.survives(depth, walk).then_some(ray)
+    }
+}
+
 impl PixelIntegrator for PathTracer {
+    /// One path alone: the slow twin of [`PathTracer::estimate_all`], which makes the same bits.
     fn estimate(
         &self,
         scene: &Scene,
@@ -168,67 +267,82 @@ impl PixelIntegrator for PathTracer {
         sampler: &mut Sampler,
         counters: &mut Counters,
     ) -> Estimate {
-        let mut estimate = Estimate {
-            radiance: Rgb::BLACK,
-            alpha: 0.0,
-        };
         let mut ray = camera_ray.to_ray();
-        let mut walk = Walk {
-            throughput: Rgb::WHITE,
-            eta: 1.0,
-            departure: Departure {
-                position: ray.origin(),
-                density: None,
-            },
-        };
-        // `depth` counts the edges of the path that ends at the ray's other end.
+        let mut walk = self.start(&ray, sampler.clone());
         for depth in 1..=self.max_depth {
-            let is_hidden = depth == 1 && self.hide_emitters;
-            let Some(hit) = first_surface(scene, ray, is_hidden, counters) else {
-                if !is_hidden {
-                    let met = self.met_environment(scene, &walk, ray.direction());
-                    estimate.radiance += walk.throughput * met;
-                }
+            let is_hidden = self.sees_through_emitters(depth);
+            let Some(hit) = first_hit(scene, &mut ray, is_hidden, counters) else {
+                self.escape(scene, depth, &mut walk, &ray);
                 break;
             };
-            estimate.radiance += walk.throughput * self.met_surface(scene, &walk, &hit);
-            if depth == self.max_depth {
-                estimate.alpha = 1.0;
+            let surface = scene.interaction(&ray, &hit);
+            if !self.arrive(scene, depth, &mut walk, &surface) {
                 break;
             }
-            if hit.lobes.finite {
-                let connected = self.connected(scene, &hit, sampler, counters);
-                estimate.radiance += walk.throughput * connected;
+            if let Some(connection) = self.connect(scene, &mut walk, &surface) {
+                counters.rays += 1;
+                if !scene.accel().is_occluded(&connection.ray) {
+                    walk.estimate.radiance += connection.radiance;
+                }
             }
-            let scattered = self.scatter(&hit, sampler);
-            if !matches!(&scattered, Some((sample, _)) if sample.lobe == Lobe::Null) {
-                estimate.alpha = 1.0;
-            }
-            let Some((sample, next)) = scattered else {
+            let Some(next) = self.depart(depth, &mut walk, &surface) else {
                 break;
             };
             ray = next;
-            walk.throughput *= sample.weight;
-            walk.eta *= sample.eta;
-            let density = (!sample.lobe.is_dirac()).then_some(sample.density);
-            walk.departure = Departure {
-                position: hit.point.position,
-                density,
-            };
-            if !self.survives(depth, &mut walk, sampler) {
-                break;
-            }
         }
-        estimate
+        sampler.clone_from(&walk.sampler);
+        walk.estimate
+    }
+
+    fn estimate_all(
+        &self,
+        scene: &Scene,
+        samples: &mut dyn Iterator<Item = (CameraRay, Sampler)>,
+        counters: &mut Counters,
+    ) -> Vec<Estimate> {
+        let mut wave = Wave::new(self, scene, samples.size_hint().0);
+        for (ray, sampler) in samples {
+            let ray = ray.to_ray();
+            wave.add(self.start(&ray, sampler), ray);
+        }
+        wave.run(counters)
     }
 }
 
-/// True when nothing stands between a surface and the emitter that was sampled.
+/// A sampled direction to an emitter, as far as paths need it.
+struct Aim {
+    direction: Vec3,
+    /// Where the shadow ray must reach to; `None` for infinity.
+    target: Option<Vec3>,
+    radiance: Rgb,
+    density: f32,
+    is_dirac: bool,
+}
+
+/// Samples a direction to an emitter.
 #[inline(always)]
-pub(super) fn is_lit(scene: &Scene, hit: &Interaction<'_>, sample: &EmitterSample) -> bool {
-    match sample.target {
-        Some(target) => scene.is_visible(&hit.point, target),
-        None => scene.is_visible_to_infinity(&hit.point, sample.direction),
+fn aim(scene: &Scene, from: Vec3, u: Vec2) -> Option<Aim> {
+    let mut aim = None;
+    scene.lights().sample_toward_then(from, u, |chosen| {
+        aim = Some(Aim {
+            direction: chosen.sample.direction,
+            target: chosen.sample.target,
+            radiance: chosen.sample.radiance,
+            density: chosen.sample.density.0,
+            is_dirac: chosen.sample.is_dirac,
+        });
+    });
+    aim
+}
+
+/// The ray that must be free where a sampled emitter lights a surface.
+///
+/// - `target`, `direction`: as in [`EmitterSample`](crate::emitter::EmitterSample).
+#[inline(always)]
+pub(super) fn shadow_ray(hit: &Interaction<'_>, target: Option<Vec3>, direction: Vec3) -> Ray {
+    match target {
+        Some(target) => hit.point.ray_to(target),
+        None => hit.point.ray_toward(direction),
     }
 }
 

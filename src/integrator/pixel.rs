@@ -1,4 +1,4 @@
-//! Integrators that estimate the radiance along one camera ray at a time.
+//! Integrators that estimate the radiance along camera rays.
 
 use super::Algorithm;
 use super::aov::{self, Aov};
@@ -6,7 +6,7 @@ use super::camera::{CameraSample, SampledWindow, sample_of_film};
 use super::render::{Counters, Driver, Integrator};
 use crate::accel::{Hit, Ray};
 use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
-use crate::math::Rgb;
+use crate::math::{Rgb, Vec2};
 use crate::random::{Purpose, Sampler, SamplerKind};
 use crate::scene::{Interaction, Scene};
 use crate::sensor::{CameraRay, Sensor};
@@ -32,6 +32,20 @@ pub trait PixelIntegrator: Send + Sync {
         sampler: &mut Sampler,
         counters: &mut Counters,
     ) -> Estimate;
+
+    /// Estimates the radiance along many rays: the same as [`PixelIntegrator::estimate`] for each.
+    ///
+    /// - `samples`: rays, each with the numbers of its camera sample.
+    fn estimate_all(
+        &self,
+        scene: &Scene,
+        samples: &mut dyn Iterator<Item = (CameraRay, Sampler)>,
+        counters: &mut Counters,
+    ) -> Vec<Estimate> {
+        samples
+            .map(|(ray, mut sampler)| self.estimate(scene, &ray, &mut sampler, counters))
+            .collect()
+    }
 }
 
 /// The first surface that a camera ray meets.
@@ -40,34 +54,47 @@ pub trait PixelIntegrator: Send + Sync {
 #[inline(always)]
 pub(super) fn first_surface<'s>(
     scene: &'s Scene,
-    ray: Ray,
+    mut ray: Ray,
     hide_emitters: bool,
     counters: &mut Counters,
 ) -> Option<Interaction<'s>> {
-    let (ray, hit) = if hide_emitters {
-        first_dark_hit(scene, ray, counters)?
-    } else {
-        counters.rays += 1;
-        (ray, scene.hit(&ray)?)
-    };
+    let hit = first_hit(scene, &mut ray, hide_emitters, counters)?;
     Some(scene.interaction(&ray, &hit))
 }
 
-/// Where a ray, or what is left of it, meets the first surface that does not emit.
+/// The first hit of a ray.
+///
+/// - `hide_emitters`: pass through surfaces that emit; `ray` becomes what is left of it.
+#[inline(always)]
+pub(super) fn first_hit(
+    scene: &Scene,
+    ray: &mut Ray,
+    hide_emitters: bool,
+    counters: &mut Counters,
+) -> Option<Hit> {
+    if hide_emitters {
+        first_dark_hit(scene, ray, counters)
+    } else {
+        counters.rays += 1;
+        scene.hit(ray)
+    }
+}
+
+/// [`first_hit`] on surfaces that do not emit.
 ///
 /// Out of line, so that the loop of a path has one intersection.
 #[inline(never)]
-fn first_dark_hit(scene: &Scene, mut ray: Ray, counters: &mut Counters) -> Option<(Ray, Hit)> {
+fn first_dark_hit(scene: &Scene, ray: &mut Ray, counters: &mut Counters) -> Option<Hit> {
     loop {
         counters.rays += 1;
-        let hit = scene.hit(&ray)?;
-        let surface = scene.interaction(&ray, &hit);
+        let hit = scene.hit(ray)?;
+        let surface = scene.interaction(ray, &hit);
         if surface.emitter.is_none() {
-            return Some((ray, hit));
+            return Some(hit);
         }
         let direction = ray.direction();
         let left = ray.far() - hit.distance;
-        ray = Ray::new(surface.point.ray_origin(direction), direction).between(0.0, left);
+        *ray = Ray::new(surface.point.ray_origin(direction), direction).between(0.0, left);
     }
 }
 
@@ -157,26 +184,36 @@ impl<'s> PixelRender<'s> {
         sum / f64::from(SIDE * SIDE)
     }
 
-    /// Makes one camera sample.
-    ///
-    /// - `x`, `y`: pixel of the full film or its border.
-    fn sample_pixel(
+    /// Makes one camera sample in every pixel of a unit.
+    fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
+        let mut counters = Counters::default();
+        let pixels = self.sampled.pixels(unit);
+        let mut places = Vec::with_capacity(pixels.len());
+        let mut samples = pixels.map(|pixel| {
+            let sample =
+                CameraSample::of_pixel(self.sensor, &self.settings, pixel, Purpose::Pixel, pass);
+            places.push((sample.ray, sample.raster));
+            (sample.ray, sample.sampler)
+        });
+        let estimates = self
+            .integrator
+            .estimate_all(self.scene, &mut samples, &mut counters);
+        counters.paths += estimates.len() as u64;
+        for ((ray, raster), estimate) in places.iter().zip(&estimates) {
+            self.add((ray, *raster), estimate, layers, &mut counters);
+        }
+        counters
+    }
+
+    /// Adds one camera sample to all layers.
+    fn add(
         &self,
-        x: i32,
-        y: i32,
-        pass: u32,
+        (ray, raster): (&CameraRay, Vec2),
+        estimate: &Estimate,
         layers: &[PassBuffer],
         counters: &mut Counters,
     ) {
         let settings = &self.settings;
-        let mut sample =
-            CameraSample::of_pixel(self.sensor, settings, (x, y), Purpose::Pixel, pass);
-        let (ray, raster) = (sample.ray, sample.raster);
-        let estimate = self
-            .integrator
-            .estimate(self.scene, &ray, &mut sample.sampler, counters);
-        counters.paths += 1;
-
         let [r, g, b] = estimate.radiance.to_array();
         let mut layers = layers.iter();
         let mut next_layer = || layers.next().expect("one buffer for each layer");
@@ -234,13 +271,7 @@ impl Integrator for PixelRender<'_> {
     }
 
     fn run_pass(&self, pass: u32, layers: &[PassBuffer], driver: &Driver<'_>) -> Option<Counters> {
-        driver.run_units(self.unit_count(), |unit| {
-            let mut counters = Counters::default();
-            for (x, y) in self.sampled.pixels(unit) {
-                self.sample_pixel(x, y, pass, layers, &mut counters);
-            }
-            counters
-        })
+        driver.run_units(self.unit_count(), |unit| self.run_unit(pass, unit, layers))
     }
 }
 

@@ -4,7 +4,7 @@ use super::{EmitterId, Object};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, LobeSet};
 use crate::math::{Frame, Local, Vec2, Vec3};
-use crate::shape::{ShapeHit, ShapeModel, SurfacePoint};
+use crate::shape::{Shape, ShapeHit, ShapeModel, SurfacePoint};
 
 /// A surface that a ray met, with the direction that it came from.
 #[derive(Clone, Debug)]
@@ -35,11 +35,21 @@ impl<'s> Interaction<'s> {
     /// - `ray`: with a unit direction.
     #[inline(always)]
     pub(super) fn new(object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
-        let point = object.shape.surface_at(&ShapeHit {
+        let shape_hit = ShapeHit {
             primitive: hit.primitive,
             barycentrics: Vec2::new(hit.u, hit.v),
             position: ray.at(hit.distance),
-        });
+        };
+        let at = |point| Self::at(point, object, bsdf, ray, hit);
+        // Written out for triangles: a point that passes through memory costs as much as making it.
+        match &*object.shape {
+            Shape::TriangleMesh(mesh) => at(mesh.surface_at(&shape_hit)),
+            shape => at(shape.surface_at(&shape_hit)),
+        }
+    }
+
+    #[inline(always)]
+    fn at(point: SurfacePoint, object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
         let back = -ray.direction();
         let frame = point.shading_frame();
         let wi = frame.to_local(back);
@@ -59,7 +69,6 @@ impl<'s> Interaction<'s> {
     /// The ray that leaves in a direction of the shading frame.
     #[inline]
     pub fn spawn(&self, direction: Local) -> Ray {
-        let world = self.frame.to_world(direction);
-        Ray::new(self.point.ray_origin(world), world)
+        self.point.ray_toward(self.frame.to_world(direction))
     }
 }

@@ -128,13 +128,25 @@ impl Lights {
     /// - `u`: uniform in the unit square; the choice takes its share of `u.x`.
     #[inline(always)]
     pub fn sample_toward(&self, from: Vec3, u: Vec2) -> Option<ChosenSample> {
+        self.sample_toward_then(from, u, |chosen| chosen)
+    }
+
+    /// [`Lights::sample_toward`], with what becomes of the sample: see
+    /// [`Emitter::sample_toward_then`].
+    #[inline(always)]
+    pub fn sample_toward_then<R>(
+        &self,
+        from: Vec3,
+        u: Vec2,
+        then: impl FnOnce(ChosenSample) -> R,
+    ) -> Option<R> {
         let choice = self.choose(from, u.x)?;
         let emitter = EmitterId(choice.index as u32);
-        let mut sample = self
-            .get(emitter)
-            .sample_toward(from, Vec2::new(choice.remainder, u.y))?;
-        sample.density.0 *= choice.probability;
-        Some(ChosenSample { sample, emitter })
+        let u = Vec2::new(choice.remainder, u.y);
+        self.get(emitter).sample_toward_then(from, u, |mut sample| {
+            sample.density.0 *= choice.probability;
+            then(ChosenSample { sample, emitter })
+        })
     }
 
     /// Density with which [`Lights::sample_toward`] makes the direction to a point of an area light.

@@ -106,15 +106,12 @@ impl Scene {
     /// - `target`: already off its own surface.
     #[inline]
     pub fn is_visible(&self, from: &SurfacePoint, target: Vec3) -> bool {
-        let origin = from.ray_origin(target - from.position);
-        !self.accel.is_occluded(&Ray::segment(origin, target))
+        !self.accel.is_occluded(&from.ray_to(target))
     }
 
     /// True when nothing stands between a point and infinity in a unit direction.
     #[inline]
     pub fn is_visible_to_infinity(&self, from: &SurfacePoint, toward: Vec3) -> bool {
-        !self
-            .accel
-            .is_occluded(&Ray::new(from.ray_origin(toward), toward))
+        !self.accel.is_occluded(&from.ray_toward(toward))
     }
 }

@@ -1,5 +1,6 @@
 //! A point on a surface, with all that materials and lights ask of it.
 
+use crate::accel::Ray;
 use crate::math::{Frame, Vec2, Vec3};
 
 /// A point on a surface.
@@ -98,6 +99,20 @@ impl SurfacePoint {
     pub fn ray_origin(&self, direction: Vec3) -> Vec3 {
         let side = self.error.copysign(self.geometric_normal.dot(direction));
         self.position + self.geometric_normal * side
+    }
+
+    /// The half line that leaves in a unit direction, off the surface.
+    #[inline]
+    pub fn ray_toward(&self, direction: Vec3) -> Ray {
+        Ray::new(self.ray_origin(direction), direction)
+    }
+
+    /// The piece of a line to another point, off the surface.
+    ///
+    /// - `target`: already off its own surface.
+    #[inline]
+    pub fn ray_to(&self, target: Vec3) -> Ray {
+        Ray::segment(self.ray_origin(target - self.position), target)
     }
 
     /// Error of a position that was computed from coordinates of size `extent`, in metres.
