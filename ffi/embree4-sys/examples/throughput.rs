@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device = Device::new("threads=1")?;
     println!("Embree {}, one core, Mrays/s", device.version().library);
     println!(
-        "{:34}{:>11}{:>11}",
-        "Cornell box, 36 triangles", "intersect", "occluded"
+        "{:34}{:>11}{:>11}{:>15}{:>15}",
+        "Cornell box, 36 triangles", "intersect", "occluded", "intersect_all", "occluded_all"
     );
     let quads = cornell_box();
     for robust in [true, false] {
@@ -59,17 +59,30 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn measure(label: &str, scene: &CommittedScene) {
     let (rays, shadow_rays) = path_tracer_rays(scene);
-    let closest = best_rate(&rays, |ray| scene.intersect(ray).is_some());
-    let shadow = best_rate(&shadow_rays, |ray| scene.occluded(ray));
-    println!("{label:34}{closest:11.2}{shadow:11.2}");
+    let count =
+        |rays: &[Ray], trace: &dyn Fn(&Ray) -> bool| rays.iter().filter(|ray| trace(ray)).count();
+    let closest = best_rate(|| count(&rays, &|ray| scene.intersect(ray).is_some()));
+    let shadow = best_rate(|| count(&shadow_rays, &|ray| scene.occluded(ray)));
+    let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+    let closest_all = best_rate(|| {
+        hits.clear();
+        scene.intersect_all(rays.iter().copied(), &mut hits);
+        hits.len()
+    });
+    let shadow_all = best_rate(|| {
+        occluded.clear();
+        scene.occluded_all(shadow_rays.iter().copied(), &mut occluded);
+        occluded.len()
+    });
+    println!("{label:34}{closest:11.2}{shadow:11.2}{closest_all:15.2}{shadow_all:15.2}");
 }
 
-fn best_rate(rays: &[Ray], trace: impl Fn(&Ray) -> bool) -> f64 {
-    let round = || {
+/// Millions of rays a second, where a round traces [`RAY_COUNT`] of them.
+fn best_rate(mut trace: impl FnMut() -> usize) -> f64 {
+    let mut round = || {
         let start = Instant::now();
-        let hits = rays.iter().filter(|ray| trace(ray)).count();
-        black_box(hits);
-        rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6
+        black_box(trace());
+        RAY_COUNT as f64 / start.elapsed().as_secs_f64() / 1e6
     };
     (0..ROUNDS).map(|_| round()).fold(0.0, f64::max)
 }
