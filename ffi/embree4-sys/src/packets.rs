@@ -42,7 +42,7 @@ impl CommittedScene {
     /// in less time.
     ///
     /// What is found for a ray does not depend on the others. Processors that have no more than
-    /// SSE make an exception to the rest: a hit right at the end of the interval may count for one
+    /// SSE2 make an exception to the rest: a hit right at the end of the interval may count for one
     /// of the two methods only.
     ///
     /// - `occluded`: one a ray is added, in their order.
