@@ -26,4 +26,5 @@ mod scales;
 mod scattering;
 mod sources;
 mod support;
+mod textures;
 mod transitions;

@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use super::mesh::Mesh;
-use super::vector::{Vec3, add, dot, length, mul, sub};
+use super::vector::{Vec3, add, cross, dot, length, mul, sub};
 
 /// A box, and into how many cells its longest side is cut.
 pub(super) struct Region {
@@ -140,4 +140,81 @@ pub(super) fn rod(p: Vec3, a: Vec3, b: Vec3, [r, s]: [f64; 2]) -> f64 {
     let (along, to) = (sub(b, a), sub(p, a));
     let t = (dot(to, along) / dot(along, along)).clamp(0.0, 1.0);
     length(sub(to, mul(along, t))) - (r + (s - r) * t)
+}
+
+/// The same function, asked only near its surface: elsewhere its value at the middle of a block of
+/// cells stands for the block. It must be about a distance.
+///
+/// - `block`: cells along a block's side.
+pub(super) fn coarse_first(
+    region: &Region,
+    block: usize,
+    inside: impl Fn(Vec3) -> f64,
+) -> impl Fn(Vec3) -> f64 {
+    let extent = sub(region.high, region.low);
+    let longest = extent.into_iter().fold(0.0, f64::max);
+    let side = block as f64 * longest / region.cells as f64;
+    let count = extent.map(|x| (x / side).ceil() as usize + 2);
+    let low = sub(region.low, [side / 2.0; 3]);
+    let middle = |i: [usize; 3]| add(low, mul(i.map(|i| i as f64 + 0.5), side));
+    let blocks: Vec<f64> = (0..count[0] * count[1] * count[2])
+        .map(|n| {
+            [
+                n % count[0],
+                n / count[0] % count[1],
+                n / (count[0] * count[1]),
+            ]
+        })
+        .map(|i| inside(middle(i)))
+        .collect();
+    move |p| {
+        let at: [usize; 3] = std::array::from_fn(|axis| {
+            let i = ((p[axis] - low[axis]) / side) as usize;
+            i.min(count[axis] - 1)
+        });
+        let rough = blocks[(at[2] * count[1] + at[1]) * count[0] + at[0]];
+        if rough.abs() > 1.5 * side {
+            rough
+        } else {
+            inside(p)
+        }
+    }
+}
+
+/// A body that lies in a ball; well outside of it, the ball's distance stands for the body's.
+pub(super) fn within(p: Vec3, middle: Vec3, radius: f64, body: impl Fn(Vec3) -> f64) -> f64 {
+    let far = length(sub(p, middle)) - radius;
+    if far > 0.2 { far } else { body(p) }
+}
+
+/// A skin over a triangle.
+pub(super) struct Sheet {
+    pub(super) corners: [Vec3; 3],
+    /// Half of its thickness.
+    pub(super) thick: f64,
+    /// How far its middle stands out of the plane of the corners.
+    pub(super) bulge: f64,
+    /// How far the edge across from the first corner is cut in, as a part of the height over it.
+    pub(super) scallop: f64,
+}
+
+impl Sheet {
+    /// About the distance to it.
+    pub(super) fn distance(&self, p: Vec3) -> f64 {
+        let [a, b, c] = self.corners;
+        let normal = cross(sub(b, a), sub(c, a));
+        let twice = length(normal);
+        let weight = |from: Vec3, to: Vec3| {
+            dot(cross(sub(to, from), sub(p, from)), normal) / (twice * twice)
+        };
+        let parts = [weight(b, c), weight(c, a), weight(a, b)];
+        let heights = [sub(c, b), sub(a, c), sub(b, a)].map(|side| twice / length(side));
+        let held = parts.map(|x| x.clamp(0.0, 1.0));
+        let bulge = self.bulge * 27.0 * held[0] * held[1] * held[2];
+        let off = (dot(sub(p, a), normal) / twice - bulge).abs() - self.thick;
+        let sum = (held[1] + held[2]).max(1e-9);
+        let cut = self.scallop * 4.0 * held[1] * held[2] / (sum * sum);
+        let beyond = [cut - parts[0], -parts[1], -parts[2]];
+        (0..3).fold(off, |d, i| d.max(beyond[i] * heights[i]))
+    }
 }

@@ -5,6 +5,7 @@
 //! the file makes smooth ones, and where there are edges the scene says `max_smooth_angle`.
 
 mod architecture;
+mod dragon;
 mod implicit;
 mod implicit_shapes;
 mod lathe;
@@ -20,7 +21,7 @@ use mesh::Mesh;
 type Recipe = (&'static str, fn() -> Mesh);
 
 /// All meshes.
-pub(crate) const ALL: [Recipe; 37] = [
+pub(crate) const ALL: [Recipe; 39] = [
     ("ammonite", tubes::ammonite),
     ("amphora", lathe::amphora),
     ("bird", tubes::bird),
@@ -33,6 +34,8 @@ pub(crate) const ALL: [Recipe; 37] = [
     ("conch", tubes::conch),
     ("coral", warped::coral),
     ("cornice", architecture::cornice),
+    ("cushion", warped::cushion),
+    ("dragon", dragon::dragon),
     ("figure-eight", tubes::figure_eight),
     ("gear", warped::gear),
     ("goblet", lathe::goblet),

@@ -220,3 +220,15 @@ pub(super) fn rippled_mirror() -> Mesh {
     };
     Mesh::grid(144, 48, surface)
 }
+
+/// A cushion, as high as wide: scenes flatten it.
+pub(super) fn cushion() -> Mesh {
+    let surface = |d: Vec3| {
+        let sum: f64 = d.iter().map(|x| x.abs().powi(5)).sum();
+        let [x, y, z] = mul(d, sum.powf(-0.2));
+        let seam = 1.0 - 0.22 * (x.powi(4) + z.powi(4)) / 2.0;
+        let folds = 1.0 + 0.012 * ((5.0 * x + 2.0 * z).sin() + (4.0 * z - 3.0 * x).sin());
+        [x, y * seam * folds, z]
+    };
+    Mesh::ball(28, surface).outwards().fitted()
+}
