@@ -13,6 +13,7 @@ mod golden;
 mod hidden_emitters;
 mod import;
 mod indifference;
+mod instances;
 mod invariance;
 mod inversion;
 mod kernels;

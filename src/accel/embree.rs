@@ -1,5 +1,7 @@
 //! The tracer Embree.
 
+use std::sync::Arc;
+
 use embree4_sys::{CommittedScene, Device, Hit, SceneBuilder};
 
 use super::{Geometry, Ray};
@@ -28,29 +30,49 @@ pub struct Accel {
     scene: CommittedScene,
 }
 
+/// A group of geometries, placed in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Index of the group.
+    pub group: u32,
+    /// Affine map from the group's space to the world, by rows.
+    pub to_world: [[f32; 4]; 3],
+}
+
 impl Accel {
-    /// Builds the search structure; the geometry of hits is the index into `geometries`.
+    /// Builds the search structure.
+    ///
+    /// Hits on `geometries` have no instance; their geometry is the index in there. Hits on an
+    /// instance have the number of `geometries` plus the index in `instances` as their instance, and
+    /// the index in the group as their geometry.
+    ///
+    /// - `groups`: geometries that are not in the scene by themselves, each in a space of its own.
     ///
     /// # Errors
     /// When Embree cannot start, runs out of memory, or a buffer holds a vertex that is not finite or
-    /// an index out of range.
-    pub fn build(geometries: impl IntoIterator<Item = Geometry>) -> Result<Self, AccelError> {
-        let mut builder = SceneBuilder::new(&Device::new("")?)?;
-        for (index, geometry) in geometries.into_iter().enumerate() {
-            let added = match geometry {
-                Geometry::Triangles(vertices, triangles) => {
-                    builder.add_triangles(&vertices, &triangles)
-                }
-                Geometry::Sphere { centre, radius } => {
-                    builder.add_sphere(centre.to_array(), radius)
-                }
-                Geometry::Disk(to_world) => builder.add_disk(to_world),
-                Geometry::Cylinder(to_world) => builder.add_cylinder(to_world),
-            };
+    /// an index out of range. Errors count `geometries`, then those of the groups, then `instances`.
+    pub fn build<G: IntoIterator<Item = Geometry>>(
+        geometries: impl IntoIterator<Item = Geometry>,
+        groups: impl IntoIterator<Item = G>,
+        instances: impl IntoIterator<Item = Instance>,
+    ) -> Result<Self, AccelError> {
+        let device = Device::new("")?;
+        let mut world = SceneBuilder::new(&device)?;
+        let mut count = 0;
+        add_all(&mut world, geometries, &mut count)?;
+        let mut built = Vec::new();
+        for group in groups {
+            let mut builder = SceneBuilder::new(&device)?;
+            add_all(&mut builder, group, &mut count)?;
+            built.push(Arc::new(builder.commit()?));
+        }
+        for (index, instance) in (count..).zip(instances) {
+            let group = Arc::clone(&built[instance.group as usize]);
+            let added = world.add_instance(group, instance.to_world);
             added.map_err(|error| AccelError::Geometry { index, error })?;
         }
         Ok(Self {
-            scene: builder.commit()?,
+            scene: world.commit()?,
         })
     }
 
@@ -108,6 +130,28 @@ pub fn versions() -> Result<(String, String), AccelError> {
 /// Sets the calling thread up for tracing: numbers too small to matter are flushed to zero.
 pub fn prepare_worker() {
     embree4_sys::flush_denormals();
+}
+
+/// Adds geometries to a scene; `count` is that of all geometries so far.
+fn add_all(
+    builder: &mut SceneBuilder,
+    geometries: impl IntoIterator<Item = Geometry>,
+    count: &mut usize,
+) -> Result<(), AccelError> {
+    for geometry in geometries {
+        let added = match geometry {
+            Geometry::Triangles(vertices, triangles) => {
+                builder.add_triangles(&vertices, &triangles)
+            }
+            Geometry::Sphere { centre, radius } => builder.add_sphere(centre.to_array(), radius),
+            Geometry::Disk(to_world) => builder.add_disk(to_world),
+            Geometry::Cylinder(to_world) => builder.add_cylinder(to_world),
+        };
+        let index = *count;
+        added.map_err(|error| AccelError::Geometry { index, error })?;
+        *count += 1;
+    }
+    Ok(())
 }
 
 #[inline]

@@ -3,7 +3,7 @@
 mod embree;
 mod ray;
 
-pub use embree::{Accel, AccelError, prepare_worker, versions};
+pub use embree::{Accel, AccelError, Instance, prepare_worker, versions};
 pub use embree4_sys::{Hit, IndexBuffer, VertexBuffer};
 pub use ray::Ray;
 

@@ -7,17 +7,20 @@ use serde_json::{Value, json};
 use super::args::InfoArgs;
 use super::console::{duration, print_line, say};
 use super::failure::Failure;
-use crate::accel::{Accel, Geometry};
+use crate::accel::Geometry;
 use crate::emitter::{Emitter, EmitterClass, EmitterModel};
-use crate::scene::Scene;
 use crate::scene::import::xml::Diagnostic;
 use crate::scene::import::{Imported, View};
+use crate::scene::{Object, Scene};
 use crate::shape::ShapeModel;
 
 /// What a scene holds.
 struct Contents {
     triangles: usize,
     objects: usize,
+    instances: usize,
+    /// Triangles that all instances together place.
+    instanced_triangles: usize,
     materials: usize,
     lights: [(&'static str, usize); 4],
     load_seconds: f64,
@@ -48,13 +51,8 @@ impl Contents {
     fn of(scene: &Scene, load_seconds: f64) -> Result<Self, Failure> {
         let memory = peak_memory();
         let build_seconds = build_seconds(scene)?;
-        let triangles = scene
-            .objects()
-            .iter()
-            .map(|object| match object.shape.geometry() {
-                Geometry::Triangles(_, triangles) => triangles.as_slice().len(),
-                _ => 0,
-            });
+        let placed = scene.instances().iter();
+        let placed = placed.map(|instance| triangles(scene.objects_of(instance)));
         let of_class = |class| {
             let emitters = scene.lights().emitters().iter();
             emitters
@@ -62,8 +60,10 @@ impl Contents {
                 .count()
         };
         Ok(Self {
-            triangles: triangles.sum(),
+            triangles: triangles(scene.objects()),
             objects: scene.objects().len(),
+            instances: scene.instances().len(),
+            instanced_triangles: placed.sum(),
             materials: scene.bsdfs().len(),
             lights: [
                 ("area", of_class(EmitterClass::Area)),
@@ -82,11 +82,20 @@ impl Contents {
     }
 }
 
+/// Triangles of the meshes among objects.
+fn triangles(objects: &[Object]) -> usize {
+    let of_each = objects.iter().map(|object| match object.shape.geometry() {
+        Geometry::Triangles(_, triangles) => triangles.as_slice().len(),
+        _ => 0,
+    });
+    of_each.sum()
+}
+
 /// Seconds to build the search structure, by building it once more.
 fn build_seconds(scene: &Scene) -> Result<f64, Failure> {
     let start = Instant::now();
-    Accel::build(scene.objects().iter().map(|object| object.shape.geometry()))
-        .map_err(|error| Failure::File(error.to_string()))?;
+    let built = scene.build_anew();
+    built.map_err(|error| Failure::File(error.to_string()))?;
     Ok(start.elapsed().as_secs_f64())
 }
 
@@ -123,6 +132,8 @@ fn json_line(args: &InfoArgs, imported: &Imported, contents: &Contents) -> Value
         "hash": format!("{:016x}", imported.hash),
         "triangles": contents.triangles,
         "objects": contents.objects,
+        "instances": contents.instances,
+        "instanced_triangles": contents.instanced_triangles,
         "materials": contents.materials,
         "lights": lights,
         "sensors": imported.views.iter().map(view).collect::<Vec<_>>(),
@@ -142,6 +153,13 @@ fn table(args: &InfoArgs, imported: &Imported, contents: &Contents) -> String {
         ("materials", contents.materials.to_string()),
         ("lights", lights(contents)),
     ];
+    if contents.instances > 0 {
+        let (count, triangles) = (contents.instances, contents.instanced_triangles);
+        rows.insert(
+            3,
+            ("instances", format!("{count}, of {triangles} triangles")),
+        );
+    }
     for (index, view) in imported.views.iter().enumerate() {
         let (width, height) = view.film_size;
         let text = format!(

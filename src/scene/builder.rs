@@ -2,18 +2,20 @@
 
 use std::sync::Arc;
 
-use super::{BsdfId, EmitterId, Lights, Object, Scene};
-use crate::accel::{Accel, AccelError};
+use super::{BsdfId, EmitterId, Group, GroupId, Instance, Lights, Object, Scene, build_accel};
+use crate::accel::AccelError;
 use crate::bsdf::{Bsdf, BsdfModel};
 use crate::emitter::{Area, Emitter, EmitterModel, SceneBounds};
-use crate::math::Vec3;
-use crate::shape::{Shape, ShapeModel};
+use crate::math::{Mat4, Vec3};
+use crate::shape::{Placement, Shape, ShapeError, ShapeModel};
 use crate::texture::Texture;
 
 /// Collects objects, materials and lights; [`SceneBuilder::build`] makes the scene of them.
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     objects: Vec<Object>,
+    groups: Vec<Vec<Object>>,
+    instances: Vec<Instance>,
     bsdfs: Vec<Bsdf>,
     emitters: Vec<Emitter>,
 }
@@ -64,17 +66,40 @@ impl SceneBuilder {
         if radiance.is_some() && !shape.prepare_sampling() {
             return Err(BuildError::NoArea);
         }
-        let shape = Arc::new(shape);
-        let emitter =
-            radiance.map(|radiance| self.add_emitter(Area::new(Arc::clone(&shape), radiance)));
-        let lobes = self.bsdfs[bsdf.0 as usize].lobes();
-        self.objects.push(Object {
-            shape,
-            bsdf,
-            lobes,
-            emitter,
-        });
+        let mut object = self.object(shape, bsdf);
+        object.emitter = radiance
+            .map(|radiance| self.add_emitter(Area::new(Arc::clone(&object.shape), radiance)));
+        self.objects.push(object);
         Ok(())
+    }
+
+    /// Adds a group of surfaces, which is not in the scene until an instance places it.
+    pub fn add_group(&mut self, members: impl IntoIterator<Item = (Shape, BsdfId)>) -> GroupId {
+        let members = members.into_iter();
+        let objects = members.map(|(shape, bsdf)| self.object(shape, bsdf));
+        let objects = objects.collect();
+        self.groups.push(objects);
+        GroupId(self.groups.len() as u32 - 1)
+    }
+
+    /// Places a group in the world.
+    ///
+    /// # Errors
+    /// [`ShapeError::Flat`] and [`ShapeError::NotFinite`], of the map.
+    pub fn add_instance(&mut self, group: GroupId, to_world: Mat4) -> Result<(), ShapeError> {
+        let placement = Placement::new(to_world)?;
+        self.instances.push(Instance { group, placement });
+        Ok(())
+    }
+
+    /// A surface that does not emit.
+    fn object(&self, shape: Shape, bsdf: BsdfId) -> Object {
+        Object {
+            shape: Arc::new(shape),
+            bsdf,
+            lobes: self.bsdfs[bsdf.0 as usize].lobes(),
+            emitter: None,
+        }
     }
 
     /// Builds the search structures and the choice of lights.
@@ -83,11 +108,20 @@ impl SceneBuilder {
     /// What the tracer says of geometry that it cannot take.
     pub fn build(self) -> Result<Scene, BuildError> {
         let Self {
-            objects,
+            mut objects,
+            groups,
+            instances,
             bsdfs,
             mut emitters,
         } = self;
-        let accel = Accel::build(objects.iter().map(|object| object.shape.geometry()))?;
+        let in_world = objects.len() as u32;
+        let groups = groups.into_iter().map(|members| {
+            let (first, count) = (objects.len() as u32, members.len() as u32);
+            objects.extend(members);
+            Group { first, count }
+        });
+        let groups: Vec<Group> = groups.collect();
+        let accel = build_accel(&objects, in_world, &groups, &instances)?;
         let bounds = bounding_sphere(accel.bounding_box());
         for emitter in &mut emitters {
             emitter.set_scene_bounds(bounds);
@@ -95,6 +129,9 @@ impl SceneBuilder {
         Ok(Scene {
             accel,
             objects,
+            in_world,
+            groups,
+            instances,
             bsdfs,
             lights: Lights::new(emitters),
             bounds,

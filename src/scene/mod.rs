@@ -12,11 +12,11 @@ pub use lights::{ChosenSample, Lights};
 
 use std::sync::Arc;
 
-use crate::accel::{Accel, Hit, Ray};
+use crate::accel::{self, Accel, AccelError, Geometry, Hit, Ray};
 use crate::bsdf::{Bsdf, LobeSet};
 use crate::emitter::SceneBounds;
 use crate::math::Vec3;
-use crate::shape::{Shape, SurfacePoint};
+use crate::shape::{Placement, Shape, ShapeModel, SurfacePoint};
 
 /// Index of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -39,20 +39,57 @@ pub struct Object {
     pub emitter: Option<EmitterId>,
 }
 
+/// Index of a group of shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GroupId(pub u32);
+
+/// Objects that are not in the scene by themselves, but wherever an instance places them.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    /// Where they stand among the scene's objects.
+    first: u32,
+    count: u32,
+}
+
+/// A group, placed in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Which group.
+    pub group: GroupId,
+    /// From the group's space to the world.
+    pub placement: Placement,
+}
+
 /// Everything that light can meet.
 #[derive(Debug)]
 pub struct Scene {
     accel: Accel,
+    /// Those in the world, then those of the groups.
     objects: Vec<Object>,
+    /// How many stand in the world.
+    in_world: u32,
+    groups: Vec<Group>,
+    instances: Vec<Instance>,
     bsdfs: Vec<Bsdf>,
     lights: Lights,
     bounds: SceneBounds,
 }
 
 impl Scene {
-    /// The objects, in the order of the file.
+    /// The objects, in the order of the file: those that stand in the world by themselves, then those
+    /// of the groups.
     pub fn objects(&self) -> &[Object] {
         &self.objects
+    }
+
+    /// The instances, in the order of the file.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// The objects that an instance places.
+    pub fn objects_of(&self, instance: &Instance) -> &[Object] {
+        &self.objects[self.groups[instance.group.0 as usize].range()]
     }
 
     /// The materials.
@@ -97,8 +134,29 @@ impl Scene {
     /// The surface at the first hit of a ray.
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
+        if let Some(instance) = hit.instance {
+            return self.interaction_on(instance, ray, hit);
+        }
         let object = &self.objects[hit.geometry as usize];
         Interaction::new(object, self.bsdf(object.bsdf), ray, hit)
+    }
+
+    /// [`Scene::interaction`] on an instance; the tracer counts them after what stands in the world.
+    #[inline(never)]
+    fn interaction_on(&self, instance: u32, ray: &Ray, hit: &Hit) -> Interaction<'_> {
+        let Instance { group, placement } = &self.instances[(instance - self.in_world) as usize];
+        let index = self.groups[group.0 as usize].first + hit.geometry;
+        let object = &self.objects[index as usize];
+        let bsdf = self.bsdf(object.bsdf);
+        Interaction::on_instance(placement, (index, object), bsdf, ray, hit)
+    }
+
+    /// Builds a search structure like the one that the scene has, as a measure of the effort.
+    ///
+    /// # Errors
+    /// When the tracer runs out of memory.
+    pub fn build_anew(&self) -> Result<Accel, AccelError> {
+        build_accel(&self.objects, self.in_world, &self.groups, &self.instances)
     }
 
     /// True when nothing stands between two points.
@@ -114,4 +172,30 @@ impl Scene {
     pub fn is_visible_to_infinity(&self, from: &SurfacePoint, toward: Vec3) -> bool {
         !self.accel.is_occluded(&from.ray_toward(toward))
     }
+}
+
+impl Group {
+    fn range(self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// Builds the search structure of what stands in the world and of all instances.
+fn build_accel(
+    objects: &[Object],
+    in_world: u32,
+    groups: &[Group],
+    instances: &[Instance],
+) -> Result<Accel, AccelError> {
+    let geometries = |objects: &'_ [Object]| -> Vec<Geometry> {
+        objects.iter().map(|o| o.shape.geometry()).collect()
+    };
+    let groups = groups
+        .iter()
+        .map(|group| geometries(&objects[group.range()]));
+    let instances = instances.iter().map(|instance| accel::Instance {
+        group: instance.group.0,
+        to_world: instance.placement.to_world(),
+    });
+    Accel::build(geometries(&objects[..in_world as usize]), groups, instances)
 }

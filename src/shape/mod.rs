@@ -11,6 +11,7 @@ mod affine;
 pub(crate) mod brute_force;
 mod cylinder;
 mod disk;
+mod placement;
 mod sphere;
 mod surface;
 #[cfg(test)]
@@ -19,6 +20,7 @@ mod triangle_mesh;
 
 pub use cylinder::Cylinder;
 pub use disk::Disk;
+pub use placement::Placement;
 pub use sphere::Sphere;
 pub use surface::{Derivatives, SurfacePoint};
 pub use triangle_mesh::TriangleMesh;

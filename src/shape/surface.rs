@@ -55,6 +55,21 @@ impl Derivatives {
             Self::NONE
         }
     }
+
+    /// ∂p/∂u and ∂p/∂v of a point in m, with the part along the shading normal: what keeps them in
+    /// the plane of the surface. `None` where there are none.
+    #[inline]
+    pub(super) fn in_surface(&self, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+        if *self == Self::NONE {
+            return None;
+        }
+        let frame = Frame::around(point.shading_normal);
+        let cos = point.shading_normal.dot(point.geometric_normal);
+        Some([self.by_u, self.by_v].map(|across| {
+            let across = frame.tangent * across.x + frame.bitangent * across.y;
+            across - frame.normal * (across.dot(point.geometric_normal) / cos)
+        }))
+    }
 }
 
 impl SurfacePoint {

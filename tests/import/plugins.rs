@@ -67,3 +67,60 @@ fn bumps_are_read_and_incomplete_ones_refused() {
          black",
     );
 }
+
+#[test]
+fn instances_are_read_and_groups_that_cannot_be_placed_refused() {
+    let cube = "<shape type='cube'/>";
+    let group = |inside: &str| format!("<shape type='shapegroup' id='g'>{inside}</shape>");
+    let instance = "\n<shape type='instance'><ref id='g'/></shape>";
+    let singular = "the matrix is singular: it flattens space and has no inverse";
+    for (body, expected) in [
+        (group(cube) + instance + instance, ""),
+        (
+            format!("<shape type='instance'>{}</shape>", group(cube)),
+            "",
+        ),
+        (
+            group(cube) + "\n<shape type='instance'><ref id='h'/></shape>",
+            "scene.xml:4:24: ref to the unknown id \"h\" (did you mean \"g\"?)",
+        ),
+        (
+            format!("<shape type='sphere' id='g'/>{instance}"),
+            "scene.xml:4:1: an instance of shape \"sphere\", expected one of a \"shapegroup\"",
+        ),
+        (
+            format!("<bsdf type='diffuse' id='g'/>{instance}"),
+            "scene.xml:4:1: an instance needs a ref to a shape \"shapegroup\"",
+        ),
+        (
+            group(&format!("\n{}", "<shape type='shapegroup'/>")),
+            "scene.xml:4:1: found shape \"shapegroup\" in a shapegroup, expected a shape by itself",
+        ),
+        (
+            group("\n<shape type='cube'>\n<emitter type='area'/></shape>"),
+            "scene.xml:5:1: an emitter in a shapegroup: shapes that are placed by instances cannot \
+             emit light",
+        ),
+        (
+            group("") + instance,
+            "scene.xml:3:1: warning: the group holds no shapes",
+        ),
+        (
+            group("\n<shape type='spere'/>") + instance,
+            "scene.xml:4:1: unknown shape \"spere\" (did you mean \"sphere\"?)",
+        ),
+        (
+            group("\n<shape type='sphere'><float name='radius' value='1e20'/></shape>") + instance,
+            "scene.xml:4:1: Embree: a sphere has an unusable radius: 100000000000000000000; it \
+             must be positive and finite",
+        ),
+        (
+            group(cube)
+                + "<shape type='instance'><ref id='g'/><transform name='toWorld'>\n\
+                   <scale x='0'/></transform></shape>",
+            &format!("scene.xml:4:1: <scale>: {singular}"),
+        ),
+    ] {
+        check(&file_of(&body), &[], expected);
+    }
+}

@@ -108,15 +108,19 @@ impl Drop for SceneHandle {
 pub struct CommittedScene {
     // Before `kept` and `device`: fields are dropped in order, and Embree goes first.
     handle: SceneHandle,
+    #[expect(dead_code, reason = "held for its memory, not read")]
     kept: Vec<Kept>,
+    has_instances: bool,
     device: Device,
 }
 
 impl CommittedScene {
     pub(crate) fn new(handle: SceneHandle, kept: Vec<Kept>, device: Device) -> Self {
+        let has_instances = kept.iter().any(|kept| matches!(kept, Kept::Instance(_)));
         Self {
             handle,
             kept,
+            has_instances,
             device,
         }
     }
@@ -194,9 +198,7 @@ impl CommittedScene {
     }
 
     pub(crate) fn has_instances(&self) -> bool {
-        self.kept
-            .iter()
-            .any(|kept| matches!(kept, Kept::Instance(_)))
+        self.has_instances
     }
 }
 

@@ -8,7 +8,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::mesh::serialized::SerializedFile;
 use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
-use crate::scene::{BsdfId, SceneBuilder};
+use crate::scene::{BsdfId, GroupId, SceneBuilder};
 use crate::texture::Texture;
 
 /// The state of building a scene from its tree.
@@ -18,8 +18,13 @@ pub(super) struct Loader<'t> {
     pub(super) tree: &'t SceneTree,
     pub(super) problems: &'t Diagnostics,
     pub(super) builder: SceneBuilder,
-    /// Where the shapes of the builder come from, in their order.
+    /// Where the shapes, the members of groups and the instances of the builder come from, in their
+    /// order.
     pub(super) shapes: Vec<ElementId>,
+    pub(super) members: Vec<ElementId>,
+    pub(super) instances: Vec<ElementId>,
+    /// The groups that were built; `None` for one without shapes.
+    pub(super) groups: HashMap<ElementId, Option<GroupId>>,
     pub(super) bsdfs: HashMap<ElementId, BsdfId>,
     pub(super) textures: HashMap<ElementId, Option<Texture>>,
     pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
@@ -43,6 +48,9 @@ impl<'t> Loader<'t> {
             problems,
             builder: SceneBuilder::new(),
             shapes: Vec::new(),
+            members: Vec::new(),
+            instances: Vec::new(),
+            groups: HashMap::new(),
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             serialized: HashMap::new(),

@@ -207,8 +207,11 @@ impl Loader<'_> {
         if self.problems.has_errors() {
             return None;
         }
-        let culprit = |error: &BuildError| match error {
-            BuildError::Accel(AccelError::Geometry { index, .. }) => self.shapes.get(*index),
+        // The tracer counts what stands in the world, then members of groups, then instances.
+        let in_shapes = self.shapes.iter().chain(&self.members);
+        let mut elements = in_shapes.chain(&self.instances);
+        let mut culprit = |error: &BuildError| match error {
+            BuildError::Accel(AccelError::Geometry { index, .. }) => elements.nth(*index),
             _ => None,
         };
         let built = self.builder.build();

@@ -1,5 +1,7 @@
 //! Shapes.
 
+mod groups;
+
 use std::path::Path;
 
 use super::loader::Loader;
@@ -8,24 +10,58 @@ use super::mesh::{ImportedMesh, MeshError, obj, ply};
 use super::xml::{ElementId, ElementKind, ElementReader};
 use crate::accel::{IndexBuffer, VertexBuffer};
 use crate::math::{Transform, Vec2, Vec3};
+use crate::scene::BsdfId;
 use crate::shape::mesh::MeshData;
 use crate::shape::{self, Cylinder, Disk, Shape, ShapeError, Sphere, TriangleMesh};
+use crate::texture::Texture;
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 8] = [
+const KNOWN: [&str; 10] = [
     "cube",
     "cylinder",
     "disk",
+    "instance",
     "obj",
     "ply",
     "rectangle",
     "serialized",
+    "shapegroup",
     "sphere",
 ];
 
+/// A shape that is built but not yet in the scene.
+struct Built {
+    shape: Shape,
+    bsdf: BsdfId,
+    /// What its front emits, and the emitter that says so.
+    emission: Option<(Texture, ElementId)>,
+}
+
 impl Loader<'_> {
-    /// Builds a shape with its material and light; what cannot be built is noted.
+    /// Builds a shape, a group of shapes or an instance, and adds it to the scene; what cannot be
+    /// built is noted.
     pub(super) fn shape(&mut self, id: ElementId) {
+        match self.tree[id].plugin.as_str() {
+            "shapegroup" => {
+                // Built with its first instance, or here if there is none: its problems count.
+                self.group(id);
+            }
+            "instance" => self.instance(id),
+            _ => {
+                let Some(built) = self.single_shape(id) else {
+                    return;
+                };
+                let radiance = built.emission.map(|(radiance, _)| radiance);
+                match self.builder.add_shape(built.shape, built.bsdf, radiance) {
+                    Ok(()) => self.shapes.push(id),
+                    Err(error) => self.problems.error(self.location(id), error.to_string()),
+                }
+            }
+        }
+    }
+
+    /// Builds a shape with its material and light; `None` after noting why there is none.
+    fn single_shape(&mut self, id: ElementId) -> Option<Built> {
         let mut reader = self.reader(id);
         let bsdfs = reader.children(ElementKind::Bsdf);
         let emitter = reader.child(ElementKind::Emitter);
@@ -41,7 +77,7 @@ impl Loader<'_> {
             );
         }
         self.area_lights.extend(emitter);
-        let radiance = emitter.and_then(|emitter| self.area_radiance(emitter));
+        let emission = emitter.and_then(|emitter| Some((self.area_radiance(emitter)?, emitter)));
         let built = match reader.plugin() {
             "sphere" => self.sphere(&mut reader),
             "disk" => self.disk(&mut reader),
@@ -51,20 +87,21 @@ impl Loader<'_> {
             "obj" | "ply" | "serialized" => self.mesh_file(&mut reader),
             _ => {
                 self.unknown_plugin(id, KNOWN, "left out");
-                return;
+                return None;
             }
         };
         reader.finish();
-        let Some(mut shape) = built else { return };
+        let mut shape = built?;
         if let (Shape::TriangleMesh(mesh), true) =
             (&mut shape, self.needs_derivatives.contains(&bsdf))
         {
             mesh.follow_coordinates();
         }
-        match self.builder.add_shape(shape, bsdf, radiance) {
-            Ok(()) => self.shapes.push(id),
-            Err(error) => self.problems.error(self.location(id), error.to_string()),
-        }
+        Some(Built {
+            shape,
+            bsdf,
+            emission,
+        })
     }
 
     /// Says that media are not rendered.
