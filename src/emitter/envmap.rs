@@ -52,6 +52,12 @@ impl Envmap {
             scene_radius: 1.0,
         })
     }
+
+    /// Samples a unit direction, be it dark there or not; `None` for a black picture.
+    #[inline]
+    pub(super) fn sample_direction(&self, u: Vec2) -> Option<Vec3> {
+        Some((self.axes * self.map.sample(u)?).normalize())
+    }
 }
 
 impl EmitterModel for Envmap {
@@ -113,7 +119,7 @@ impl EmitterModel for Envmap {
 
     #[inline(never)]
     fn sample_toward(&self, _from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        let direction = (self.axes * self.map.sample(u)?).normalize();
+        let direction = self.sample_direction(u)?;
         let place = self.map.place(self.axes.transpose() * direction);
         let radiance = self.map.radiance(&place) * self.scale;
         if radiance.is_black() {

@@ -13,7 +13,9 @@ mod constant;
 mod directional;
 mod envmap;
 mod point;
+mod projector;
 mod spot;
+mod sun_sky;
 #[cfg(test)]
 mod tests;
 
@@ -22,7 +24,9 @@ pub use constant::Constant;
 pub use directional::Directional;
 pub use envmap::Envmap;
 pub use point::Point;
+pub use projector::Projector;
 pub use spot::{Beam, Spot};
+pub use sun_sky::{DateAndPlace, SUN_RADIUS, SunSky, SunSkySettings, sun_irradiance};
 
 use thiserror::Error;
 
@@ -63,9 +67,18 @@ pub enum EmitterError {
     /// The cutoff of a spot light is out of its range.
     #[error("the cutoff angle must lie between 0 and 180 degrees, and below 90 with a texture")]
     BadAngle,
-    /// The scale of an environment map is negative or not finite.
+    /// A scale is negative or not finite.
     #[error("the scale must be a finite number that is not negative")]
     BadScale,
+    /// The sun's disk has no radius, or that of half the sky.
+    #[error("the sun's radius must be more than 0 and less than 90 degrees")]
+    BadRadius,
+    /// The turbidity of the air or the albedo of the ground is out of its range.
+    #[error("the turbidity must lie between 1 and 10, and the albedo between 0 and 1")]
+    BadAir,
+    /// It is night.
+    #[error("the sun is below the horizon")]
+    SunBelowHorizon,
     /// The picture of an environment map holds an infinite value or not a number.
     #[error("the texel in column {x} of row {y} is not finite")]
     BadTexel {
@@ -262,6 +275,10 @@ emitter_models! {
     Envmap,
     /// A point that radiates equally into all directions.
     Point,
+    /// A slide projector.
+    Projector,
     /// A lamp with a beam.
     Spot,
+    /// The sun and the sky by day.
+    SunSky,
 }

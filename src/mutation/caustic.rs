@@ -58,14 +58,17 @@ pub(super) fn head(path: &Path) -> Option<usize> {
 }
 
 /// Largest angle of [`CausticKernel::Pixels`] at a path.
-pub(super) fn largest_angle(path: &Path, head: usize, angle: f32) -> f32 {
+pub(super) fn largest_angle(space: &PathSpace<'_>, path: &Path, head: usize, angle: f32) -> f32 {
     let vertices = path.vertices();
     let length = |a: &PathVertex, b: &PathVertex| a.position().distance(b.position());
     let chain: f32 = vertices[1..=head]
         .windows(2)
         .map(|pair| length(&pair[0], &pair[1]))
         .sum();
-    angle * length(&vertices[0], &vertices[1]) / chain
+    let seen = vertices[0]
+        .position()
+        .distance_squared(vertices[1].position());
+    angle * space.sensor.spread(seen).sqrt() / chain
 }
 
 impl CausticPerturbation {
@@ -100,7 +103,7 @@ impl Mutate for CausticPerturbation {
             Fault::PixelsPerSteradian,
             space.sensor.pixels_per_steradian(seen),
         );
-        factor /= keep(Fault::ImageDistance, distance_squared);
+        factor /= keep(Fault::ImageDistance, space.sensor.spread(distance_squared));
         factor *= keep(Fault::ImageCosine, cos(1, seen));
         factor *= keep(Fault::HeadCosine, cos(head, out));
         // The value at x_1 holds the cosine to the shading normal: f_s is that over the true one.
@@ -110,7 +113,7 @@ impl Mutate for CausticPerturbation {
         }
         // Without the number of pixels, which all paths share: so the target is one for any number.
         if let CausticKernel::Pixels { angle_of_pixel, .. } = settings.caustic {
-            let largest = largest_angle(path, head, angle_of_pixel);
+            let largest = largest_angle(space, path, head, angle_of_pixel);
             factor /= keep(Fault::LargestAngle, largest);
         }
         factor
@@ -130,7 +133,7 @@ impl Mutate for CausticPerturbation {
             CausticKernel::Pixels {
                 pixels,
                 angle_of_pixel,
-            } => random.next_f32() * largest_angle(proposal, head, pixels * angle_of_pixel),
+            } => random.next_f32() * largest_angle(space, proposal, head, pixels * angle_of_pixel),
         };
         if angle > LARGEST_TURN {
             return Err(Rejection::NoWayBack);
@@ -149,7 +152,7 @@ impl Mutate for CausticPerturbation {
             angle_of_pixel,
         } = settings.caustic
         {
-            let largest = largest_angle(proposal, head, pixels * angle_of_pixel);
+            let largest = largest_angle(space, proposal, head, pixels * angle_of_pixel);
             if angle > largest && !settings.fault.is(Fault::WayBack) {
                 return Err(Rejection::NoWayBack);
             }
@@ -214,7 +217,9 @@ fn connect(space: &PathSpace<'_>, proposal: &mut Path, ray: &Ray) -> Result<(), 
         return Err(Rejection::SignatureChanged);
     }
     let mut vertex = PathVertex::surface(&met, Event::Finite);
-    let lens = proposal.vertices()[0];
+    let mut lens = proposal.vertices()[0];
+    lens.point.position = space.sensor.lens_before(vertex.position(), lens.position());
+    proposal.vertices_mut()[0] = lens;
     let (seen, _): (Vec3, f32) = space.edge(&lens, &vertex).ok_or(Rejection::Dark)?;
     vertex.value = space.finite_value(&vertex, -seen, met.back);
     if vertex.value.is_black() {

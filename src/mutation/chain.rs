@@ -79,6 +79,10 @@ impl Chain {
         random: &mut Stream,
     ) -> Option<Proposed> {
         self.tried = None;
+        // From beyond, there would be no way back.
+        if !settings.domain.contains(self.current.raster()) {
+            return None;
+        }
         let mutation = choice.choose(&self.current, random.next_f32())?;
         let statistics = &mut self.statistics[mutation as usize];
         let here = *self.targets[mutation as usize]

@@ -67,7 +67,9 @@ pub(super) fn rebuild(
     proposal.set_raster(raster);
     super::lens_point::perturb(space, settings, proposal, random)?;
     let origin = proposal.vertices()[0].position();
-    let mut ray = space.sensor.camera_ray(raster, origin).to_ray();
+    let camera_ray = space.sensor.camera_ray(raster, origin);
+    proposal.vertices_mut()[0].point.position = camera_ray.origin;
+    let mut ray = camera_ray.to_ray();
     let mut index = 1;
     loop {
         if index == proposal.edges() {

@@ -100,7 +100,7 @@ fn conversion(
         angle_of_pixel,
     } = settings.caustic
     {
-        conversion /= f64::from(largest_angle(path, head, pixels * angle_of_pixel));
+        conversion /= f64::from(largest_angle(space, path, head, pixels * angle_of_pixel));
     }
     Some(conversion)
 }
@@ -239,7 +239,7 @@ fn caustic_transition(
             pixels,
             angle_of_pixel,
         } => {
-            let outer = largest_angle(from, head_index, pixels * angle_of_pixel);
+            let outer = largest_angle(space, from, head_index, pixels * angle_of_pixel);
             let angle = angle_between(
                 space.edge(before[0], before[1])?.0,
                 space.edge(after[0], after[1])?.0,

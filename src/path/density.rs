@@ -218,9 +218,10 @@ impl PathSpace<'_> {
     /// the lens cancel.
     pub fn pixels_per_area(&self, path: &Path) -> Option<f64> {
         let (lens, first) = (path.vertices().first()?, path.vertices().get(1)?);
-        let (direction, _) = self.edge(lens, first)?;
+        let (direction, distance_squared) = self.edge(lens, first)?;
         let pixels = f64::from(self.sensor.pixels_per_steradian(direction));
-        Some(pixels * self.solid_angle_per_area(lens, first))
+        let spread = f64::from(self.sensor.spread(distance_squared));
+        Some(pixels * (f64::from(first.geometric_cos(direction)) / spread))
     }
 
     /// Geometry term `G` of the edge from a vertex on a surface to the next, without visibility.

@@ -139,10 +139,7 @@ impl Path {
     fn check_lens(&self, space: &PathSpace<'_>, tolerance: &Tolerance, to: &mut Vec<Finding>) {
         let (lens, first) = (&self.vertices()[0], &self.vertices()[1]);
         let sensor = space.sensor;
-        let coordinates = sensor.lens_coordinates(lens.position());
-        let off = sensor.lens_point(coordinates).distance(lens.position());
-        // A rounded position has rounded coordinates.
-        let is_on_lens = coordinates.length() <= 1.001 && off <= 1e-3;
+        let is_on_lens = sensor.is_on_lens(lens.position());
         let seen = match first.kind {
             VertexKind::Infinity => sensor.raster_at(lens.position(), first.position()),
             _ => space.seen_at(first, lens),

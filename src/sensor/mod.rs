@@ -1,11 +1,15 @@
 //! Sensors: which rays a pixel looks along.
 
 mod error;
+mod orthographic;
 mod perspective;
+mod spherical;
 mod thin_lens;
 
 pub use error::SensorError;
+pub use orthographic::Orthographic;
 pub use perspective::{FieldOfViewAxis, Perspective, PerspectiveSettings};
+pub use spherical::Spherical;
 pub use thin_lens::ThinLens;
 
 use crate::accel::Ray;
@@ -67,6 +71,13 @@ pub trait SensorModel {
     /// Source: van Antwerpen 2011, Eqs. 3.14 to 3.16.
     fn pixels_per_steradian(&self, direction: Vec3) -> f32;
 
+    /// How the area that a pixel sees across a ray grows with the distance: as its square; not at all
+    /// where rays are parallel. There, [`SensorModel::pixels_per_steradian`] counts pixels for each m².
+    #[inline]
+    fn spread(&self, distance_squared: f32) -> f32 {
+        distance_squared
+    }
+
     /// Nearest and farthest distance that are seen along a unit direction, in m, as
     /// [`CameraRay::near`] and [`CameraRay::far`]. Behind the sensor the nearest is infinite.
     fn clip(&self, direction: Vec3) -> (f32, f32);
@@ -84,6 +95,29 @@ pub trait SensorModel {
 
     /// Undoes [`SensorModel::lens_point`]; zero for a pinhole.
     fn lens_coordinates(&self, origin: Vec3) -> Vec2;
+
+    /// The point of the lens from which a ray leaves to `point`: `origin`, except where rays are
+    /// parallel.
+    #[inline]
+    fn lens_before(&self, point: Vec3, origin: Vec3) -> Vec3 {
+        let _ = point;
+        origin
+    }
+
+    /// Width and height of the film in pixels where raster positions beyond it see once more what is
+    /// seen on it: [`SensorModel::raster_at`] then gives those on the film only.
+    #[inline]
+    fn raster_range(&self) -> Option<Vec2> {
+        None
+    }
+
+    /// True for points of the lens, up to rounding.
+    fn is_on_lens(&self, origin: Vec3) -> bool {
+        // A rounded position has rounded coordinates.
+        let coordinates = self.lens_coordinates(origin);
+        let off = self.lens_point(coordinates).distance(origin);
+        coordinates.length() <= 1.001 && off <= 1e-3
+    }
 }
 
 /// Writes the enum of all sensors and forwards [`SensorModel`] to its variants.
@@ -119,6 +153,10 @@ macro_rules! sensor_models {
                 match self { $(Self::$model(s) => s.pixels_per_steradian(direction),)* }
             }
             #[inline]
+            fn spread(&self, distance_squared: f32) -> f32 {
+                match self { $(Self::$model(s) => s.spread(distance_squared),)* }
+            }
+            #[inline]
             fn clip(&self, direction: Vec3) -> (f32, f32) {
                 match self { $(Self::$model(s) => s.clip(direction),)* }
             }
@@ -138,13 +176,27 @@ macro_rules! sensor_models {
             fn lens_coordinates(&self, origin: Vec3) -> Vec2 {
                 match self { $(Self::$model(s) => s.lens_coordinates(origin),)* }
             }
+            #[inline]
+            fn lens_before(&self, point: Vec3, origin: Vec3) -> Vec3 {
+                match self { $(Self::$model(s) => s.lens_before(point, origin),)* }
+            }
+            fn raster_range(&self) -> Option<Vec2> {
+                match self { $(Self::$model(s) => s.raster_range(),)* }
+            }
+            fn is_on_lens(&self, origin: Vec3) -> bool {
+                match self { $(Self::$model(s) => s.is_on_lens(origin),)* }
+            }
         }
     };
 }
 
 sensor_models! {
+    /// A camera whose rays are parallel.
+    Orthographic,
     /// A pinhole camera.
     Perspective,
+    /// A camera that sees all around it.
+    Spherical,
     /// A camera with a lens, which has one distance in focus.
     ThinLens,
 }

@@ -46,6 +46,22 @@ impl PerspectiveSettings {
         let diagonal = 36.0_f32.hypot(24.0);
         2.0 * (diagonal / (2.0 * millimetres)).atan().to_degrees()
     }
+
+    /// Half of the film's width and height on the plane at distance one, in m.
+    ///
+    /// - `degrees`, `axis`: the field of view and what it spans.
+    /// - `film`: width and height of the film, in any unit.
+    pub fn half_extent(degrees: f32, axis: FieldOfViewAxis, film: Vec2) -> Vec2 {
+        let half = (0.5 * degrees.to_radians()).tan();
+        let spanned = match axis {
+            FieldOfViewAxis::X => film.x,
+            FieldOfViewAxis::Y => film.y,
+            FieldOfViewAxis::Diagonal => film.length(),
+            FieldOfViewAxis::Smaller => film.min_element(),
+            FieldOfViewAxis::Larger => film.max_element(),
+        };
+        film * (half / spanned)
+    }
 }
 
 /// A camera without a lens: everything is in focus.
@@ -85,7 +101,7 @@ impl Perspective {
         }
         let rotation = rotation(Mat3::from_mat4(to_world)).ok_or(SensorError::Shear)?;
         let film = Vec2::new(settings.film_size.0 as f32, settings.film_size.1 as f32);
-        let half = half_extent(field_of_view, settings.axis, film);
+        let half = PerspectiveSettings::half_extent(field_of_view, settings.axis, film);
         Ok(Self {
             origin: to_world.transform_point3(Vec3::ZERO),
             rotation,
@@ -98,26 +114,13 @@ impl Perspective {
 }
 
 /// The axes of a transform, scaled to unit length; `None` unless they are perpendicular.
-fn rotation(map: Mat3) -> Option<Mat3> {
+pub(super) fn rotation(map: Mat3) -> Option<Mat3> {
     let axes = [map.x_axis, map.y_axis, map.z_axis].map(Vec3::try_normalize);
     let [Some(x), Some(y), Some(z)] = axes else {
         return None;
     };
     let skew = x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs());
     (skew < 1e-3).then(|| Mat3::from_cols(x, y, z))
-}
-
-/// Half of the film's width and height on the plane at distance one.
-fn half_extent(degrees: f32, axis: FieldOfViewAxis, film: Vec2) -> Vec2 {
-    let half = (0.5 * degrees.to_radians()).tan();
-    let spanned = match axis {
-        FieldOfViewAxis::X => film.x,
-        FieldOfViewAxis::Y => film.y,
-        FieldOfViewAxis::Diagonal => film.length(),
-        FieldOfViewAxis::Smaller => film.min_element(),
-        FieldOfViewAxis::Larger => film.max_element(),
-    };
-    film * (half / spanned)
 }
 
 impl Perspective {

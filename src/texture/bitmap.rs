@@ -82,7 +82,7 @@ impl Bitmap {
 
     /// Width and height in texels.
     #[inline]
-    fn size(&self) -> Vec2 {
+    pub fn size(&self) -> Vec2 {
         Vec2::new(self.image.width() as f32, self.image.height() as f32)
     }
 

@@ -1,6 +1,6 @@
 //! Plugins that are read in both generations' spellings.
 
-use super::{check, file_of};
+use super::{check, complaint, file_of};
 
 #[test]
 fn lenses_are_read_in_both_spellings() {
@@ -90,7 +90,8 @@ fn instances_are_read_and_groups_that_cannot_be_placed_refused() {
         ),
         (
             format!("<bsdf type='diffuse' id='g'/>{instance}"),
-            "scene.xml:4:1: an instance needs a ref to a shape \"shapegroup\"",
+            "scene.xml:4:1: an instance needs a ref to a shape \"shapegroup\"\n\
+             scene.xml:4:24: warning: shape \"instance\" makes no use of bsdf \"diffuse\"; ignored",
         ),
         (
             group(&format!("\n{}", "<shape type='shapegroup'/>")),
@@ -123,4 +124,112 @@ fn instances_are_read_and_groups_that_cannot_be_placed_refused() {
     ] {
         check(&file_of(&body), &[], expected);
     }
+}
+
+#[test]
+fn days_are_read_in_both_generations() {
+    let scene = |version: &str, inside: &str| {
+        format!(
+            "<scene version='{version}'>\n<sensor type='perspective'/>\n\
+             <emitter type='sunsky'>{inside}</emitter>\n</scene>\n"
+        )
+    };
+    let at_night = "scene.xml:3:1: warning: the sun is below the horizon; all is dark";
+    let direction =
+        |y: f32, z: f32| format!("<vector name='sunDirection' x='0.3' y='{y}' z='{z}'/>");
+    let in_air = |turbidity: f32| format!("\n<float name='turbidity' value='{turbidity}'/>");
+    for (version, inside, expected) in [
+        ("0.6.0", String::new(), ""),
+        ("3.0.0", String::new(), ""),
+        ("0.6.0", direction(1.0, -0.1), ""),
+        ("3.0.0", direction(-0.1, 1.0), ""),
+        (
+            "0.6.0",
+            "<float name='sunRadiusScale' value='0'/><float name='skyScale' value='2'/>".into(),
+            "",
+        ),
+        (
+            "3.0.0",
+            "<float name='sun_aperture' value='2'/><integer name='year' value='2020'/>\
+             <integer name='month' value='6'/><float name='latitude' value='50'/>"
+                .into(),
+            "",
+        ),
+        ("3.0.0", "<float name='hour' value='1'/>".into(), at_night),
+        (
+            "3.0.0",
+            in_air(11.0),
+            "scene.xml:4:1: the turbidity must lie between 1 and 10, and the albedo between 0 and 1",
+        ),
+        (
+            "3.0.0",
+            format!("<float name='hour' value='9'/>\n{}", direction(0.0, 1.0)),
+            "scene.xml:4:1: found \"sun_direction\" and a date, a time or a place, expected one of \
+             the two",
+        ),
+        (
+            "0.6.0",
+            "\n<float name='stretch' value='1.2'/>".into(),
+            "scene.xml:4:1: warning: \"stretch\" is ignored: the sky is as published",
+        ),
+    ] {
+        check(&scene(version, &inside), &[], expected);
+    }
+    let (up_in_the_first, up_in_the_second) = (direction(-1.0, 0.5), direction(0.5, -1.0));
+    let found = complaint(&scene("0.6.0", &up_in_the_first), &[]);
+    assert!(
+        found.ends_with("the sun is below the horizon; all is dark"),
+        "{found}"
+    );
+    let found = complaint(&scene("3.0.0", &up_in_the_second), &[]);
+    assert!(
+        found.ends_with("the sun is below the horizon; all is dark"),
+        "{found}"
+    );
+}
+
+#[test]
+fn projectors_are_read_and_beams_without_width_left_out() {
+    let board = "<texture type='checkerboard' name='irradiance'/>";
+    let projector =
+        |inside: &str| file_of(&format!("<emitter type='projector'>{inside}</emitter>"));
+    check(&projector(board), &[], "");
+    check(
+        &projector("<rgb name='irradiance' value='1 2 3'/><float name='fov' value='30'/>"),
+        &[],
+        "",
+    );
+    check(
+        &projector("\n<float name='fov' value='180'/>"),
+        &[],
+        "scene.xml:4:1: the field of view is 180 degrees, expected more than 0 and less than 180",
+    );
+    check(
+        &file_of("<emitter type='collimated'/>"),
+        &[],
+        "scene.xml:3:1: warning: a beam without width: no path from the eye can find it; left out",
+    );
+}
+
+#[test]
+fn sensors_without_a_pinhole_are_read() {
+    let sensor = |plugin: &str, inside: &str| {
+        format!("<scene version='3.0.0'><sensor type='{plugin}'>{inside}</sensor></scene>")
+    };
+    let scale = "<transform name='to_world'><scale x='3' y='3'/></transform>";
+    check(&sensor("orthographic", scale), &[], "");
+    check(&sensor("spherical", scale), &[], "");
+    check(
+        &sensor(
+            "orthographic",
+            "<float name='near_clip' value='9'/><float name='far_clip' value='1'/>",
+        ),
+        &[],
+        "scene.xml:1:24: the clip planes are at 9 and 1, expected 0 or more and growing",
+    );
+    check(
+        &sensor("orthografic", ""),
+        &[],
+        "scene.xml:1:24: unknown sensor \"orthografic\" (did you mean \"orthographic\"?)",
+    );
 }

@@ -14,7 +14,9 @@ use lumiflow::mutation::{
     AngleKernel, CausticKernel, Fault, Perturbation, RasterDomain, RasterKernel,
 };
 use lumiflow::scene::Scene;
-use lumiflow::sensor::{FieldOfViewAxis, PerspectiveSettings, Sensor, SensorModel, ThinLens};
+use lumiflow::sensor::{
+    FieldOfViewAxis, Orthographic, PerspectiveSettings, Sensor, SensorModel, Spherical, ThinLens,
+};
 use lumiflow::shape::TriangleMesh;
 use lumiflow::shape::mesh::MeshData;
 use lumiflow::texture::{self, Checkerboard, Filter, Wrap};
@@ -207,6 +209,8 @@ pub(crate) fn stages() -> Vec<Stage> {
         open_air(),
         point_and_spot(),
         through_a_lens(),
+        along_parallels(),
+        all_around(),
     ]
 }
 
@@ -332,6 +336,34 @@ fn through_a_lens() -> Stage {
         name: "thin lens",
         scene: scene(parts, |_| {}),
         sensor: lens_camera(view, 50.0, 0.3, 2.0),
+    }
+}
+
+/// Seen along parallel rays.
+fn along_parallels() -> Stage {
+    let (from, to) = (Vec3::new(-0.3, 1.6, 2.2), Vec3::new(0.0, 0.5, 0.0));
+    let to_world = Transform::look_at(from.as_dvec3(), to.as_dvec3(), Some(Vec3::Y.as_dvec3()));
+    let to_world = to_world.expect("the camera looks somewhere").matrix();
+    let camera = Orthographic::new(to_world, (0.0, f32::MAX), (SIDE, SIDE));
+    Stage {
+        sensor: camera.expect("the camera is one").into(),
+        ..stage(
+            "orthographic",
+            [floor(Diffuse::new(0.7)), ball(glass(1.5)), lamp()],
+        )
+    }
+}
+
+/// Seen by a camera that looks into all directions.
+fn all_around() -> Stage {
+    let to_world = Mat4::from_translation(Vec3::new(-0.9, 0.9, 0.6)) * Mat4::from_rotation_x(0.4);
+    let camera = Spherical::new(to_world, (SIDE, SIDE));
+    Stage {
+        sensor: camera.expect("the camera is one").into(),
+        ..stage(
+            "spherical",
+            [floor(Diffuse::new(0.7)), ball(glass(1.5)), lamp()],
+        )
     }
 }
 

@@ -11,7 +11,7 @@ use crate::mutation::RasterDomain;
 use crate::path::{Found, Path, PathSpace, PathTracing};
 use crate::random::{Purpose, SamplerKind};
 use crate::scene::Scene;
-use crate::sensor::Sensor;
+use crate::sensor::{Sensor, SensorModel};
 
 /// Everything of a render that does not depend on how chains run.
 pub(in crate::integrator) struct ChainFilm<'s> {
@@ -98,10 +98,17 @@ impl<'s> ChainFilm<'s> {
             sensor,
             seeds,
             sampled,
-            domain: RasterDomain {
-                low,
-                high: low + size,
-            },
+            domain: sensor.raster_range().map_or(
+                RasterDomain {
+                    low,
+                    high: low + size,
+                },
+                // Positions beyond would be second names of the same paths.
+                |film| RasterDomain {
+                    low: low.max(Vec2::ZERO),
+                    high: (low + size).min(film),
+                },
+            ),
             deposit: seeds.deposit(&mean),
             unit: Unit::for_magnitude(mean.image),
             places,

@@ -1,18 +1,32 @@
 //! Lights that are no surfaces.
 
+mod daylight;
+
 use std::sync::Arc;
 
 use super::loader::Loader;
 use super::xml::{ColourSource, ColourUse, ElementId, ElementReader};
 use crate::emitter::{
     Beam, Constant, Directional, Emitter, EmitterClass, EmitterError, EmitterModel, Envmap, Point,
-    Spot,
+    Projector, Spot,
 };
-use crate::math::{Rgb, Transform, Vec3};
+use crate::math::{Rgb, Transform, Vec2, Vec3};
+use crate::sensor::PerspectiveSettings;
 use crate::texture::Texture;
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 6] = ["area", "constant", "directional", "envmap", "point", "spot"];
+const KNOWN: [&str; 10] = [
+    "area",
+    "constant",
+    "directional",
+    "envmap",
+    "point",
+    "projector",
+    "sky",
+    "spot",
+    "sun",
+    "sunsky",
+];
 
 impl Loader<'_> {
     /// Builds a light and adds it to the scene; what cannot be built is noted.
@@ -28,19 +42,18 @@ impl Loader<'_> {
                 Some(Constant::new(radiance.unwrap_or(Rgb::WHITE)).into())
             }
             "envmap" => self.envmap(&mut reader),
+            "projector" => self.projector(&mut reader),
+            "collimated" => {
+                let message = "a beam without width: no path from the eye can find it; left out";
+                self.problems.replacement(self.location(id), message);
+                return;
+            }
             "area" => {
                 self.problems
                     .error(self.location(id), "emitter \"area\" belongs into a shape");
                 None
             }
-            "sky" | "sun" | "sunsky" => {
-                self.unknown_plugin(
-                    id,
-                    KNOWN,
-                    "a constant environment of radiance 1 is used instead",
-                );
-                return self.add_emitter(id, Constant::new(Rgb::WHITE).into());
-            }
+            "sky" | "sun" | "sunsky" => self.daylight(&mut reader),
             _ => {
                 self.unknown_plugin(id, KNOWN, "left out");
                 return;
@@ -114,6 +127,32 @@ impl Loader<'_> {
             "cutoff_angle",
             Spot::new(to_world.matrix(), intensity, beam, texture),
         )
+    }
+
+    fn projector(&mut self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
+        let to_world = reader.transform("to_world");
+        let scale = reader.float("scale", 1.0);
+        let (degrees, axis) = self.field_of_view(reader);
+        let slide: Texture = match reader.texture("irradiance", ColourUse::Emission) {
+            Some(ColourSource::Texture(texture)) => self.texture(texture)?,
+            Some(ColourSource::Constant(colour)) => colour.into(),
+            None => 1.0.into(),
+        };
+        let size = match &slide {
+            Texture::Bitmap(bitmap) => bitmap.size(),
+            _ => Vec2::ONE,
+        };
+        if !(degrees > 0.0 && degrees < 180.0) {
+            let expected = "expected more than 0 and less than 180";
+            reader.error(
+                "fov",
+                format!("the field of view is {degrees} degrees, {expected}"),
+            );
+            return None;
+        }
+        let half_extent = PerspectiveSettings::half_extent(degrees, axis, size);
+        let built = Projector::new(to_world.matrix(), slide, scale, half_extent);
+        noted(reader, "scale", built)
     }
 
     fn directional(&self, reader: &mut ElementReader<'_>) -> Option<Emitter> {

@@ -7,7 +7,8 @@ use crate::film::{Filter, FilterKind, Window};
 use crate::math::Vec2;
 use crate::random::SamplerKind;
 use crate::sensor::{
-    FieldOfViewAxis, Perspective, PerspectiveSettings, Sensor, SensorError, ThinLens,
+    FieldOfViewAxis, Orthographic, Perspective, PerspectiveSettings, Sensor, SensorError,
+    Spherical, ThinLens,
 };
 
 /// What a film element says.
@@ -48,8 +49,8 @@ impl Loader<'_> {
     /// - `film_size`: replaces the file's width and height.
     pub(super) fn view(&self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<View> {
         let mut reader = self.reader(id);
-        if !matches!(reader.plugin(), "perspective" | "thinlens") {
-            let known = ["perspective", "thinlens"];
+        let known = ["orthographic", "perspective", "spherical", "thinlens"];
+        if !known.contains(&reader.plugin()) {
             self.unknown_plugin(id, known, "a perspective sensor is used instead");
         }
         let film = match reader.child(ElementKind::Film) {
@@ -263,6 +264,21 @@ impl Loader<'_> {
         reader: &mut ElementReader<'_>,
         film: Option<&Film>,
     ) -> Result<Sensor, SensorError> {
+        if reader.plugin() == "orthographic" {
+            reader.ignore(&["shutter_open", "shutter_close"]);
+            let to_world = reader.transform("to_world").matrix();
+            let near = reader.float("near_clip", 0.01);
+            let far = reader.float("far_clip", 1e4);
+            let size = film.map_or((1, 1), |film| film.size);
+            return Ok(Orthographic::new(to_world, (near, far), size)?.into());
+        }
+        if reader.plugin() == "spherical" {
+            // All is seen, from the camera's own place on.
+            reader.ignore(&["near_clip", "far_clip", "shutter_open", "shutter_close"]);
+            let to_world = reader.transform("to_world").matrix();
+            let size = film.map_or((1, 1), |film| film.size);
+            return Ok(Spherical::new(to_world, size)?.into());
+        }
         let settings = self.perspective(reader, film);
         if reader.plugin() != "thinlens" {
             // A pinhole has everything in focus.
@@ -285,6 +301,24 @@ impl Loader<'_> {
         reader: &mut ElementReader<'_>,
         film: Option<&Film>,
     ) -> PerspectiveSettings {
+        let (field_of_view, axis) = self.field_of_view(reader);
+        let offset_x = reader.float("principal_point_offset_x", 0.0);
+        let offset_y = reader.float("principal_point_offset_y", 0.0);
+        // Nothing moves.
+        reader.ignore(&["shutter_open", "shutter_close"]);
+        PerspectiveSettings {
+            to_world: reader.transform("to_world").matrix(),
+            field_of_view,
+            axis,
+            near: reader.float("near_clip", 0.01),
+            far: reader.float("far_clip", 1e4),
+            principal_point_offset: Vec2::new(offset_x, offset_y),
+            film_size: film.map_or((1, 1), |film| film.size),
+        }
+    }
+
+    /// Field of view in degrees, and what it spans.
+    pub(super) fn field_of_view(&self, reader: &mut ElementReader<'_>) -> (f32, FieldOfViewAxis) {
         let axes = [
             ("x", FieldOfViewAxis::X),
             ("y", FieldOfViewAxis::Y),
@@ -298,25 +332,12 @@ impl Loader<'_> {
         if field_of_view.is_some() && of_lens.is_some() {
             reader.warning("focal_length", "\"fov\" is given, too, and is used instead");
         }
-        let (field_of_view, axis) = match field_of_view {
+        match field_of_view {
             Some(field_of_view) => (field_of_view, axis),
             None => {
                 let default = PerspectiveSettings::field_of_view_of_focal_length(50.0);
                 (of_lens.unwrap_or(default), FieldOfViewAxis::Diagonal)
             }
-        };
-        let offset_x = reader.float("principal_point_offset_x", 0.0);
-        let offset_y = reader.float("principal_point_offset_y", 0.0);
-        // Nothing moves.
-        reader.ignore(&["shutter_open", "shutter_close"]);
-        PerspectiveSettings {
-            to_world: reader.transform("to_world").matrix(),
-            field_of_view,
-            axis,
-            near: reader.float("near_clip", 0.01),
-            far: reader.float("far_clip", 1e4),
-            principal_point_offset: Vec2::new(offset_x, offset_y),
-            film_size: film.map_or((1, 1), |film| film.size),
         }
     }
 

@@ -67,6 +67,11 @@ impl<'a> ElementReader<'a> {
         &self.element.plugin
     }
 
+    /// True when the file gives a value of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.position(name).is_some()
+    }
+
     /// A number, or `default`.
     pub fn float(&mut self, name: &str, default: f32) -> f32 {
         self.optional_float(name).unwrap_or(default)
