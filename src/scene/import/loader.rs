@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::media::Medium;
 use super::mesh::serialized::SerializedFile;
 use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
 use crate::scene::{BsdfId, GroupId, SceneBuilder};
@@ -34,6 +35,8 @@ pub(super) struct Loader<'t> {
     pub(super) environment: Option<ElementId>,
     /// The emitters that stand inside shapes, or that shapes refer to.
     pub(super) area_lights: HashSet<ElementId>,
+    /// The media that were read.
+    pub(super) media: Vec<(ElementId, Medium)>,
     /// Whether the material under construction asks how positions change with texture coordinates,
     /// and those that do.
     pub(super) follows_coordinates: bool,
@@ -57,6 +60,7 @@ impl<'t> Loader<'t> {
             default_bsdfs: [None; 2],
             environment: None,
             area_lights: HashSet::new(),
+            media: Vec::new(),
             follows_coordinates: false,
             needs_derivatives: HashSet::new(),
             hash: RefCell::new(Xxh3::new()),

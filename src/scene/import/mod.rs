@@ -7,6 +7,7 @@ mod bsdfs;
 mod emitters;
 mod integrators;
 mod loader;
+mod media;
 pub mod mesh;
 mod shapes;
 mod textures;
@@ -23,6 +24,7 @@ use crate::film::{Filter, Window};
 use crate::random::SamplerKind;
 use crate::sensor::Sensor;
 use loader::Loader;
+pub use media::{Medium, Phase};
 use xml::{Diagnostic, ElementKind, Location};
 
 /// How to import a scene.
@@ -43,6 +45,8 @@ pub struct Imported {
     pub views: Vec<View>,
     /// What the file asks of the integrator.
     pub integrator: IntegratorRequest,
+    /// The media of the file, which are not rendered.
+    pub media: Vec<Medium>,
     /// Warnings, in the order of the file.
     pub warnings: Vec<Diagnostic>,
     /// Hash of the file, all files that it uses, and the definitions from the command line.
@@ -121,6 +125,8 @@ pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
     let mut loader = Loader::new(&document.tree, &document.problems);
     let (views, integrator) = loader.load(options);
     let hash = loader.hash();
+    let media = std::mem::take(&mut loader.media);
+    let media = media.into_iter().map(|(_, medium)| medium).collect();
     let scene = match loader.finish() {
         Some(scene) if !document.problems.has_errors() => scene,
         _ => return Err(ImportError::Scene(document.problems.sorted())),
@@ -130,6 +136,7 @@ pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
         scene,
         views,
         integrator,
+        media,
         warnings,
         hash,
     })
@@ -167,7 +174,7 @@ impl Loader<'_> {
             .collect();
         let integrator = reader.child(ElementKind::Integrator);
         let integrator = integrator.map(|id| self.integrator(id)).unwrap_or_default();
-        self.warn_of_media(&mut reader);
+        self.media_of(&mut reader);
         // Textures, films and the like at the top are only there to be referred to.
         for kind in [
             ElementKind::Film,

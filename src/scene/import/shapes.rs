@@ -65,7 +65,7 @@ impl Loader<'_> {
         let mut reader = self.reader(id);
         let bsdfs = reader.children(ElementKind::Bsdf);
         let emitter = reader.child(ElementKind::Emitter);
-        self.warn_of_media(&mut reader);
+        self.media_of(&mut reader);
         let bsdf = match bsdfs.last() {
             Some(bsdf) => self.bsdf(*bsdf),
             None => self.default_bsdf(emitter.is_some()),
@@ -102,14 +102,6 @@ impl Loader<'_> {
             bsdf,
             emission,
         })
-    }
-
-    /// Says that media are not rendered.
-    pub(super) fn warn_of_media(&self, reader: &mut ElementReader<'_>) {
-        for medium in reader.children(ElementKind::Medium) {
-            let message = "media are not rendered; the space is taken as empty";
-            self.problems.warning(self.location(medium), message);
-        }
     }
 
     fn sphere(&self, reader: &mut ElementReader<'_>) -> Option<Shape> {

@@ -47,7 +47,7 @@ impl Loader<'_> {
     /// Reads a sensor; `None` after noting why there is none.
     ///
     /// - `film_size`: replaces the file's width and height.
-    pub(super) fn view(&self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<View> {
+    pub(super) fn view(&mut self, id: ElementId, film_size: Option<(u32, u32)>) -> Option<View> {
         let mut reader = self.reader(id);
         let known = ["orthographic", "perspective", "spherical", "thinlens"];
         if !known.contains(&reader.plugin()) {
@@ -61,7 +61,7 @@ impl Loader<'_> {
             Some(sampler) => self.sampler(sampler),
             None => (SamplerKind::Independent, 4),
         };
-        self.warn_of_media(&mut reader);
+        self.media_of(&mut reader);
         let sensor = self.sensor(&mut reader, film.as_ref());
         reader.finish();
         let film = film?;
