@@ -15,7 +15,8 @@ use lumiflow::mutation::{
 use lumiflow::path::{Path, PathSpace};
 
 use crate::support::effort::{level, samples, seed};
-use crate::support::factors::{Factors, NAMES, factors};
+use crate::support::factors::{NAMES, factors};
+use crate::support::flow::Flow;
 use crate::support::planted::{Planted, all_planted};
 use crate::support::seeds::{TRACING, numbers, space, trace};
 use crate::support::stages::{Stage, moves, moves_in_pixels, stage_of, stages};
@@ -24,8 +25,6 @@ use crate::support::stages::{Stage, moves, moves_in_pixels, stage_of, stages};
 const PROPOSALS: u32 = 2;
 /// Camera samples without a fault.
 const SAMPLES: u32 = 120_000;
-/// Differences below this one may be rounding, which depends on the end that a path was made from.
-const ROUNDING: f64 = 2e-3;
 /// A mutation with fewer proposals than this on a stage is not judged there.
 const FEWEST: u64 = 1_000;
 
@@ -71,10 +70,7 @@ struct Case {
     name: String,
     choice: Only,
     settings: Perturbation,
-    proposals: u64,
-    sample: Factors,
-    sums: Factors,
-    squares: Factors,
+    flow: Flow,
 }
 
 impl Case {
@@ -93,49 +89,8 @@ impl Case {
             name,
             choice,
             settings,
-            proposals: 0,
-            sample: [0.0; NAMES.len()],
-            sums: [0.0; NAMES.len()],
-            squares: [0.0; NAMES.len()],
+            flow: Flow::default(),
         }
-    }
-
-    /// Counts a flow.
-    fn flow(&mut self, energy: f64, from: &Factors, to: &Factors) {
-        self.proposals += 1;
-        for (sum, (from, to)) in self.sample.iter_mut().zip(from.iter().zip(to)) {
-            let difference = (to - from).clamp(-3.0, 3.0);
-            if difference.abs() > ROUNDING {
-                *sum += energy * difference;
-            }
-        }
-    }
-
-    fn end_sample(&mut self) {
-        for (index, value) in self.sample.iter_mut().enumerate() {
-            self.sums[index] += *value;
-            self.squares[index] += *value * *value;
-            *value = 0.0;
-        }
-    }
-
-    /// For each function that varied, its mean in standard errors.
-    fn z(&self, count: u32) -> impl Iterator<Item = (&'static str, f64)> + '_ {
-        let count = f64::from(count);
-        let largest = self.squares.iter().copied().fold(0.0, f64::max);
-        NAMES.into_iter().enumerate().filter_map(move |(i, name)| {
-            let (sum, square) = (self.sums[i], self.squares[i]);
-            let deviation = (square - sum * sum / count).max(0.0).sqrt();
-            // What rounding at total reflection does to a constant is no flow.
-            (square > 1e-5 * largest).then(|| (name, sum / deviation))
-        })
-    }
-
-    /// The function that is farthest out.
-    fn worst(&self, count: u32) -> (&'static str, f64) {
-        self.z(count)
-            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .unwrap_or(("nothing", 0.0))
     }
 }
 
@@ -163,12 +118,12 @@ fn run(stage: &Stage, cases: &mut [Case], (seed, count): (u64, u32)) {
                         continue;
                     };
                     let to = factors(&space, chain.proposal());
-                    case.flow(energy * proposed.acceptance, &from, &to);
+                    case.flow.add(energy * proposed.acceptance, &from, &to);
                     chain.settle(proposed, false);
                 }
             }
         });
-        cases.iter_mut().for_each(Case::end_sample);
+        cases.iter_mut().for_each(|case| case.flow.end_sample());
     }
 }
 
@@ -203,13 +158,13 @@ fn energy_flows_back_as_it_flows_away() {
     for (index, stage) in stages().iter().enumerate() {
         let mut cases = all_cases(stage);
         run(stage, &mut cases, (seed(900 + index as u64), count));
-        for case in cases.iter().filter(|case| case.proposals >= FEWEST) {
-            let (worst, z) = case.worst(count);
+        for case in cases.iter().filter(|case| case.flow.proposals >= FEWEST) {
+            let (worst, z) = case.flow.worst(count);
             println!(
                 "{}: {} proposals, {worst} {z:.2}",
-                case.name, case.proposals
+                case.name, case.flow.proposals
             );
-            let all = case.z(count);
+            let all = case.flow.z(count);
             found.extend(all.map(|(name, z)| (format!("{}: {name}", case.name), z)));
         }
     }
@@ -259,17 +214,17 @@ fn planted_errors_are_found() {
             continue;
         }
         let [right, wrong] = run_planted(planted, count);
-        let own = wrong.z(count).find(|(name, _)| *name == planted.own);
+        let own = wrong.flow.z(count).find(|(name, _)| *name == planted.own);
         let own = own.map_or(0.0, |(_, z)| z);
-        let (largest, z) = wrong.worst(count);
-        let (_, clean) = right.worst(count);
+        let (largest, z) = wrong.flow.worst(count);
+        let (_, clean) = right.flow.worst(count);
         let caustics = if planted.is_caustic { ", caustics" } else { "" };
         println!(
             "| {:?} | {} | {}{caustics} | {} | {} | {own:.1} | {largest} | {z:.1} | {clean:.1} |",
             planted.fault,
             planted.stage,
             planted.mutation.name(),
-            wrong.proposals,
+            wrong.flow.proposals,
             planted.own,
         );
         let is_found = two_sided_p(z) < level && two_sided_p(clean) > level;

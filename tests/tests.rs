@@ -20,6 +20,7 @@ mod kernels;
 mod layering;
 mod meshes;
 mod mitsuba_materials;
+mod mixtures;
 mod paths;
 mod pmc_er;
 mod reference;

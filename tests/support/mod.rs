@@ -4,6 +4,7 @@ pub(crate) mod directions;
 pub(crate) mod effort;
 pub(crate) mod factors;
 pub(crate) mod faulty;
+pub(crate) mod flow;
 pub(crate) mod grid;
 pub(crate) mod hard_scenes;
 pub(crate) mod materials;
