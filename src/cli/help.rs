@@ -105,7 +105,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "radii",
-        "sizes of moves on the image, in pixels: any number",
+        "sizes of moves on the image, in pixels: one or more, as 5,10,50 or 5/10/50",
     ),
     (
         "caustic_share",

@@ -137,7 +137,7 @@ impl<'o> OptionReader<'o> {
             .ok_or_else(|| wrong(name, &value, expected()))
     }
 
-    /// One or several numbers in a range, with commas between.
+    /// One or several numbers in a range, with commas between, or slashes where commas mean something else.
     ///
     /// # Errors
     /// [`OptionError::Value`] for anything else.
@@ -149,7 +149,7 @@ impl<'o> OptionReader<'o> {
     ) -> Result<Vec<f64>, OptionError> {
         let value = self.take(name, OptionValue::Text(default.to_owned()));
         let text = value.to_string();
-        let numbers = text.split(',').map(|part| {
+        let numbers = text.split([',', '/']).map(|part| {
             let number = part.trim().parse().ok();
             number.filter(|number| range.contains(number))
         });
@@ -271,12 +271,19 @@ mod tests {
 
     #[test]
     fn lists_have_one_or_more_numbers() {
-        let given = options(&[("a", "5,10, 50"), ("b", "7"), ("c", "5;6"), ("d", "5,600")]);
+        let given = options(&[
+            ("a", "5,10, 50"),
+            ("b", "7"),
+            ("c", "5;6"),
+            ("e", "2/8"),
+            ("d", "5,600"),
+        ]);
         let mut reader = OptionReader::new(&given);
         let mut floats = |name| reader.floats(name, 0.0..=100.0, "1,2");
         assert_eq!(floats("a"), Ok(vec![5.0, 10.0, 50.0]));
         assert_eq!(floats("b"), Ok(vec![7.0]));
         assert_eq!(floats("absent"), Ok(vec![1.0, 2.0]));
+        assert_eq!(floats("e"), Ok(vec![2.0, 8.0]));
         assert!(floats("c").is_err());
         let error = floats("d").unwrap_err().to_string();
         assert!(error.contains("numbers from 0 to 100"), "{error}");

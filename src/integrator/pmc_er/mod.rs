@@ -165,9 +165,13 @@ impl PmcEr {
         domain: RasterDomain,
     ) -> Vec<Perturbation> {
         let angle_of_pixel = angle_of_pixel(sensor, film_size);
+        let largest = self.radii.iter().copied().fold(0.0, f32::max);
         let perturbation = |radius: &f32| Perturbation {
             raster: RasterKernel::Disk { radius: *radius },
-            angle: self.angle,
+            angle: AngleKernel {
+                inner: self.angle.inner * radius / largest,
+                outer: self.angle.outer * radius / largest,
+            },
             caustic: CausticKernel::Pixels {
                 pixels: *radius,
                 angle_of_pixel,
