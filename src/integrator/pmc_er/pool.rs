@@ -2,6 +2,9 @@
 
 use crate::integrator::camera::SampledWindow;
 
+/// Side of the squares whose pixels are handed out together, as a power of two.
+const NEIGHBOURHOOD: i32 = 4;
+
 /// The pixels of one batch, each once, in an order that covers the whole image evenly at any time.
 ///
 /// Every batch is a sample of the whole image by itself: what a map has learnt from others before it does not
@@ -40,8 +43,10 @@ impl Pool {
             let (column, row) = ((place % width) as i32, (place / width) as i32);
             (self.window.x + column, self.window.y + row)
         });
-        let positions = positions.collect();
+        let mut positions: Vec<_> = positions.collect();
         self.taken = end;
+        // What is close on the image is close in memory: paths that are handled in turn should be neighbours.
+        positions.sort_by_key(|(x, y)| (y >> NEIGHBOURHOOD, x >> NEIGHBOURHOOD));
         positions
     }
 

@@ -27,7 +27,7 @@ const REPLICAS_OF_MAP: u32 = 64;
 const MOST_SAMPLES: usize = 1 << 14;
 
 /// Members, or camera samples, that a thread takes at a time.
-const SHARE: usize = 32;
+const SHARE: usize = 64;
 
 /// A render by population Monte Carlo energy redistribution.
 pub(super) struct PmcErRender<'s> {
