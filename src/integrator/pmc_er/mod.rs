@@ -104,12 +104,12 @@ impl PmcEr {
     /// A value of the wrong kind or out of range, and options that contradict each other.
     pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
         let scheme = options.choice("scheme", &["fixed", "lai"], "fixed")?;
-        let rounds = options.integer("rounds", 1..=1 << 16, 6)? as u32;
+        let rounds = options.integer("rounds", 1..=1 << 16, 20)? as u32;
         let (scheme, adaptation) = match scheme.as_str() {
             "lai" => (Scheme::Energy, "member"),
             _ => (Scheme::Fixed { rounds }, "map"),
         };
-        let mut radii = options.floats("radii", 1e-3..=1e5, "5,10,50")?;
+        let mut radii = options.floats("radii", 1e-3..=1e5, "2,8")?;
         radii.sort_by(f64::total_cmp);
         Ok(Self {
             seeds: SeedOptions::from_options(options, MUTATIONS_PER_SAMPLE)?,
