@@ -3,6 +3,8 @@
 use lumiflow::bsdf::{
     Bsdf, Dielectric, Diffuse, MicrofacetKind, RelativeIor, RoughConductor, Roughness,
 };
+use lumiflow::film::Window;
+use lumiflow::integrator::PixelSettings;
 use lumiflow::math::{Mat4, Rgb, Vec3};
 use lumiflow::scene::{Scene, SceneBuilder};
 use lumiflow::shape::{Shape, Sphere, primitives};
@@ -147,6 +149,32 @@ fn instances_look_the_same_to_any_number_of_threads() {
     let one = render(1);
     assert!(mean(&one) > 0.0);
     assert_eq!(one, render(3));
+}
+
+#[test]
+fn a_window_on_instances_shows_what_the_whole_film_shows_there() {
+    let scene = placed(Vec3::ZERO);
+    let sensor = camera(Vec3::new(0.5, 2.5, 5.0), Vec3::Y, 40.0, SIDE);
+    let look = |window| {
+        let settings = PixelSettings {
+            window,
+            ..settings(5, SIDE)
+        };
+        picture(&scene, &sensor, "path max_depth=6", settings, 2)
+    };
+    let whole = look(Window::full(SIDE, SIDE));
+    let window = Window {
+        x: 5,
+        y: 9,
+        width: 17,
+        height: 11,
+    };
+    let rows = (window.y..window.y + window.height).map(|y| (y * SIDE + window.x) as usize);
+    let expected: Vec<Rgb> = rows
+        .flat_map(|start| whole[start..start + window.width as usize].iter().copied())
+        .collect();
+    assert!(mean(&expected) > 0.0);
+    assert_eq!(look(window), expected);
 }
 
 #[test]
