@@ -5,7 +5,11 @@ use crate::support::hard_scenes::{
     View, body_in_glass, bumpy_mirror, glass_caustic, indirect, many_lights, mirror_caustic,
     out_of_focus, plastics,
 };
+use crate::support::render::{mean, picture, settings};
 use crate::support::same_mean::{Reference, SIDE, Way};
+use crate::support::stages::stage_of;
+use lumiflow::film::{Filter, FilterKind};
+use lumiflow::integrator::PixelSettings;
 
 /// Populations so small that members are eliminated, and kernels so large that much is refused.
 const WAYS: [&str; 6] = [
@@ -89,4 +93,24 @@ fn the_published_scheme_is_found_to_be_biased() {
     let found = reference.check(&view, &view, &way);
     println!("{found:?}");
     assert!(found.is_err());
+}
+
+/// Wide filters need samples beside the film, whose directions a spherical sensor sees on the film, too.
+#[test]
+fn seeds_beside_a_spherical_film_keep_their_energy() {
+    let stage = stage_of("spherical");
+    let wide = || PixelSettings {
+        filter: Filter::new(FilterKind::Gaussian { stddev: 0.8 }).expect("a filter"),
+        ..settings(12, SIDE)
+    };
+    let look = |text: &str| mean(&picture(&stage.scene, &stage.sensor, text, wide(), 64));
+    let expected = look("path max_depth=6");
+    assert!(expected > 0.0);
+    for text in ["erpt max_depth=6", "pmc-er max_depth=6"] {
+        let found = look(text);
+        assert!(
+            (found / expected - 1.0).abs() < 0.03,
+            "{text}: {found}, not {expected}"
+        );
+    }
 }

@@ -22,6 +22,8 @@ pub(in crate::integrator) struct ChainFilm<'s> {
     pub(in crate::integrator) sampled: SampledWindow,
     /// Where paths are seen.
     pub(in crate::integrator) domain: RasterDomain,
+    /// The part of it where paths are moved: without positions that are second names of directions.
+    pub(in crate::integrator) moves: RasterDomain,
     /// Energy of a deposit, as luminance.
     pub(in crate::integrator) deposit: f64,
     pub(in crate::integrator) places: Places,
@@ -93,22 +95,20 @@ impl<'s> ChainFilm<'s> {
         let low = Vec2::new(sampled.x as f32, sampled.y as f32);
         let size = Vec2::new(sampled.width as f32, sampled.height as f32);
         let (layers, places) = Places::new(seeds, &settings);
+        let domain = RasterDomain {
+            low,
+            high: low + size,
+        };
         Self {
             scene,
             sensor,
             seeds,
             sampled,
-            domain: sensor.raster_range().map_or(
-                RasterDomain {
-                    low,
-                    high: low + size,
-                },
-                // Positions beyond would be second names of the same paths.
-                |film| RasterDomain {
-                    low: low.max(Vec2::ZERO),
-                    high: (low + size).min(film),
-                },
-            ),
+            domain,
+            moves: sensor.raster_range().map_or(domain, |film| RasterDomain {
+                low: low.max(Vec2::ZERO),
+                high: domain.high.min(film),
+            }),
             deposit: seeds.deposit(&mean),
             unit: Unit::for_magnitude(mean.image),
             places,

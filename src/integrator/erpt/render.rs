@@ -56,7 +56,7 @@ impl<'s> ErptRender<'s> {
     ) -> Self {
         let film_size = settings.film_size;
         let film = ChainFilm::new(scene, sensor, &erpt.seeds, settings);
-        let perturbation = erpt.mutations.perturbation(sensor, film_size, film.domain);
+        let perturbation = erpt.mutations.perturbation(sensor, film_size, film.moves);
         Self {
             erpt,
             rule: erpt.flow_rule(film.deposit),

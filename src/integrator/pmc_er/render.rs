@@ -62,7 +62,7 @@ impl<'s> PmcErRender<'s> {
     ) -> Self {
         let film_size = settings.film_size;
         let film = ChainFilm::new(scene, sensor, &pmc_er.seeds, settings);
-        let perturbations = pmc_er.perturbations(sensor, film_size, film.domain);
+        let perturbations = pmc_er.perturbations(sensor, film_size, film.moves);
         Self {
             pmc_er,
             rule: pmc_er.rule(film.deposit),
