@@ -99,7 +99,6 @@ if scene cornell-caustic 320x268; then
     reference erpt 60
     picture cornell-caustic path 128
     picture cornell-caustic-erpt erpt 36
-    size=256x256
     trace pmc-er pmc-er 32 --set mutations_per_sample=20 --set radii=2,8,32 --set map_cell=4 --aov strategy,acceptance
     show pmc-er-strategy pmc-er --layer strategy
     show pmc-er-acceptance pmc-er --layer acceptance
