@@ -64,16 +64,7 @@ fn ways_for(scene: usize) -> Vec<Way> {
 }
 
 fn check(scene: usize, view: &View) -> Result<(), String> {
-    let reference = Reference::new(view);
-    let ways = ways_for(scene);
-    let found = ways.iter().map(|way| reference.check(view, view, way));
-    // All that is wrong, not only the first.
-    let errors: Vec<String> = found.filter_map(Result::err).collect();
-    if errors.is_empty() {
-        Ok(())
-    } else {
-        Err(errors.join("\n"))
-    }
+    Reference::new(view).check_all(view, ways_for(scene))
 }
 
 #[test]

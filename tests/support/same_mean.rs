@@ -57,6 +57,21 @@ impl Reference {
         Self { replicas, means }
     }
 
+    /// Checks several ways; tells of all that are wrong, not only of the first.
+    pub(crate) fn check_all(
+        &self,
+        view: &View,
+        ways: impl IntoIterator<Item = Way>,
+    ) -> Result<(), String> {
+        let found = ways.into_iter().map(|way| self.check(view, view, &way));
+        let errors: Vec<String> = found.filter_map(Result::err).collect();
+        if errors.is_empty() {
+            Ok(())
+        } else {
+            Err(errors.join("\n"))
+        }
+    }
+
     /// Checks pictures made by chains, and what chains have made more than the path-traced pictures of
     /// their own seeds show, which varies less.
     ///
