@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::{EmitterClass, EmitterModel, EmitterSample};
-use crate::math::{Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3};
+use super::emission::from_surface_density;
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample};
+use crate::math::{AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::{Disk, Shape, ShapeModel, Sphere, SurfacePoint, TriangleMesh, primitives};
 use crate::texture::{Checkerboard, Texture, TextureModel};
 
@@ -163,5 +164,24 @@ impl EmitterModel for Area {
     #[inline]
     fn density_toward(&self, from: Vec3, at: &SurfacePoint) -> SolidAngleDensity {
         self.shape.density_toward(from, at)
+    }
+
+    /// Points are uniform by area, whatever the texture.
+    #[inline]
+    fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let (point, density) = self.shape.sample_area(u_point);
+        let radiance = self.radiance.colour(point.uv);
+        let ray = EmittedRay::from_surface(point, density, radiance, u_direction);
+        Some(ray)
+    }
+
+    #[inline]
+    fn emission_density(&self, at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+        EmissionDensity {
+            point: AreaDensity((1.0 / self.shape.area()) as f32),
+            direction: at.map_or(SolidAngleDensity::ZERO, |at| {
+                from_surface_density(at, direction)
+            }),
+        }
     }
 }

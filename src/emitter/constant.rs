@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
-use super::{EmitterClass, EmitterModel, EmitterSample, SceneBounds};
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample, SceneBounds};
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3, warp};
+use crate::shape::SurfacePoint;
 
 /// An environment of one colour.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {
     radiance: Rgb,
-    scene_radius: f32,
+    bounds: SceneBounds,
 }
 
 impl Constant {
@@ -19,7 +20,7 @@ impl Constant {
     pub const fn new(radiance: Rgb) -> Self {
         Self {
             radiance,
-            scene_radius: 1.0,
+            bounds: SceneBounds::UNIT,
         }
     }
 }
@@ -34,12 +35,12 @@ impl EmitterModel for Constant {
     }
 
     fn set_scene_bounds(&mut self, bounds: SceneBounds) {
-        self.scene_radius = bounds.radius;
+        self.bounds = bounds;
     }
 
     /// What enters the sphere around the scene.
     fn power(&self) -> f64 {
-        let area = 4.0 * PI * f64::from(self.scene_radius).powi(2);
+        let area = 4.0 * PI * f64::from(self.bounds.radius).powi(2);
         PI * area * f64::from(self.radiance.luminance())
     }
 
@@ -71,5 +72,19 @@ impl EmitterModel for Constant {
     #[inline]
     fn environment_density(&self, _toward: Vec3) -> SolidAngleDensity {
         SolidAngleDensity(warp::UNIFORM_SPHERE_DENSITY)
+    }
+
+    #[inline]
+    fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let sample = self.sample_toward(self.bounds.centre, u_direction)?;
+        Some(EmittedRay::from_infinity(&sample, self.bounds, u_point))
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+        EmissionDensity {
+            point: self.bounds.disk_density(),
+            direction: self.environment_density(-direction),
+        }
     }
 }

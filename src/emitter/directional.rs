@@ -2,8 +2,12 @@
 
 use std::f64::consts::PI;
 
-use super::{EmitterClass, EmitterError, EmitterModel, EmitterSample, SceneBounds};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample,
+    SceneBounds,
+};
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
+use crate::shape::SurfacePoint;
 
 /// Parallel light.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +15,7 @@ pub struct Directional {
     /// Unit direction in which the light travels.
     direction: Vec3,
     irradiance: Rgb,
-    scene_radius: f32,
+    bounds: SceneBounds,
 }
 
 impl Directional {
@@ -27,7 +31,7 @@ impl Directional {
         Ok(Self {
             direction,
             irradiance,
-            scene_radius: 1.0,
+            bounds: SceneBounds::UNIT,
         })
     }
 }
@@ -45,12 +49,12 @@ impl EmitterModel for Directional {
     }
 
     fn set_scene_bounds(&mut self, bounds: SceneBounds) {
-        self.scene_radius = bounds.radius;
+        self.bounds = bounds;
     }
 
     /// What passes through the largest cross-section of the scene.
     fn power(&self) -> f64 {
-        PI * f64::from(self.scene_radius).powi(2) * f64::from(self.irradiance.luminance())
+        PI * f64::from(self.bounds.radius).powi(2) * f64::from(self.irradiance.luminance())
     }
 
     #[inline]
@@ -68,6 +72,20 @@ impl EmitterModel for Directional {
             is_dirac: true,
             surface: None,
         })
+    }
+
+    #[inline]
+    fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let sample = self.sample_toward(self.bounds.centre, u_direction)?;
+        Some(EmittedRay::from_infinity(&sample, self.bounds, u_point))
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, _direction: Vec3) -> EmissionDensity {
+        EmissionDensity {
+            point: self.bounds.disk_density(),
+            direction: SolidAngleDensity(1.0),
+        }
     }
 }
 

@@ -8,10 +8,14 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use super::{EmitterClass, EmitterError, EmitterModel, EmitterSample, SceneBounds};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample,
+    SceneBounds,
+};
 use crate::image::{Bitmap, Texels};
 use crate::math::distribution::PiecewiseConstant2d;
 use crate::math::{Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part, warp};
+use crate::shape::SurfacePoint;
 
 /// Weight of the uniform parts, over the row's and over the map's mean luminance.
 const UNIFORM_PART: f32 = 1.0 / 128.0;
@@ -27,7 +31,7 @@ pub struct Envmap {
     /// From the emitter's frame to the world's, orthonormal.
     axes: Mat3,
     scale: f32,
-    scene_radius: f32,
+    bounds: SceneBounds,
 }
 
 impl Envmap {
@@ -49,7 +53,7 @@ impl Envmap {
             map: Arc::new(Map::new(image)?),
             axes,
             scale,
-            scene_radius: 1.0,
+            bounds: SceneBounds::UNIT,
         })
     }
 
@@ -96,12 +100,12 @@ impl EmitterModel for Envmap {
     }
 
     fn set_scene_bounds(&mut self, bounds: SceneBounds) {
-        self.scene_radius = bounds.radius;
+        self.bounds = bounds;
     }
 
     /// What enters the sphere around the scene.
     fn power(&self) -> f64 {
-        let cross_section = PI * f64::from(self.scene_radius).powi(2);
+        let cross_section = PI * f64::from(self.bounds.radius).powi(2);
         cross_section * self.map.integral * f64::from(self.scale)
     }
 
@@ -139,6 +143,20 @@ impl EmitterModel for Envmap {
     fn environment_density(&self, toward: Vec3) -> SolidAngleDensity {
         let place = self.map.place(self.axes.transpose() * toward);
         self.map.density(&place)
+    }
+
+    #[inline]
+    fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let sample = self.sample_toward(self.bounds.centre, u_direction)?;
+        Some(EmittedRay::from_infinity(&sample, self.bounds, u_point))
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+        EmissionDensity {
+            point: self.bounds.disk_density(),
+            direction: self.environment_density(-direction),
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Lights.
 //!
-//! An emitter answers two questions: what it sends along a given ray, and how to find it from a
-//! point. [`EmitterModel::density_toward`] is exactly the density of
-//! [`EmitterModel::sample_toward`]; Dirac emitters (points, parallel beams) have none and are never
-//! hit by chance.
+//! An emitter answers three questions: what it sends along a given ray, how to find it from a point,
+//! and which rays leave it. [`EmitterModel::density_toward`] is exactly the density of
+//! [`EmitterModel::sample_toward`], and [`EmitterModel::emission_density`] that of
+//! [`EmitterModel::sample_emission`]; Dirac emitters (points, parallel beams) are never hit by chance.
 //!
 //! A new model is a file, a line in `emitter_models!` and an arm in the importer. The tests pick it
 //! up from its [`EmitterModel::examples`].
@@ -11,6 +11,7 @@
 mod area;
 mod constant;
 mod directional;
+mod emission;
 mod envmap;
 mod point;
 mod projector;
@@ -22,6 +23,7 @@ mod tests;
 pub use area::Area;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use emission::{EmissionDensity, EmittedRay};
 pub use envmap::Envmap;
 pub use point::Point;
 pub use projector::Projector;
@@ -96,6 +98,14 @@ pub struct SceneBounds {
     pub centre: Vec3,
     /// Its radius in m, positive.
     pub radius: f32,
+}
+
+impl SceneBounds {
+    /// What emitters assume until they are told.
+    const UNIT: Self = Self {
+        centre: Vec3::ZERO,
+        radius: 1.0,
+    };
 }
 
 /// A direction to an emitter that was sampled.
@@ -173,6 +183,17 @@ pub trait EmitterModel {
         let _ = toward;
         SolidAngleDensity::ZERO
     }
+
+    /// Samples a ray of the light; `None` when there is none.
+    ///
+    /// - `u_point`, `u_direction`: uniform in the unit square.
+    fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay>;
+
+    /// Density with which [`EmitterModel::sample_emission`] makes a ray.
+    ///
+    /// - `at`: the point of an area light; `None` for others.
+    /// - `direction`: unit, in which the light travels. A light of one direction takes any for that one.
+    fn emission_density(&self, at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity;
 }
 
 impl Emitter {
@@ -259,6 +280,14 @@ macro_rules! emitter_models {
             #[inline]
             fn environment_density(&self, toward: Vec3) -> SolidAngleDensity {
                 match self { $(Self::$model(e) => e.environment_density(toward),)* }
+            }
+            #[inline]
+            fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+                match self { $(Self::$model(e) => e.sample_emission(u_point, u_direction),)* }
+            }
+            #[inline]
+            fn emission_density(&self, at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+                match self { $(Self::$model(e) => e.emission_density(at, direction),)* }
             }
         }
     };

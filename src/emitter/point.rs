@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::{EmitterClass, EmitterModel, EmitterSample};
-use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample};
+use crate::math::{AreaDensity, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
+use crate::shape::SurfacePoint;
 
 /// An isotropic point light.
 #[derive(Clone, Copy, Debug)]
@@ -64,5 +65,23 @@ impl EmitterModel for Point {
             is_dirac: true,
             surface: None,
         })
+    }
+
+    #[inline]
+    fn sample_emission(&self, _u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        Some(EmittedRay::from_point(
+            self.position,
+            warp::uniform_sphere(u_direction),
+            self.intensity,
+            SolidAngleDensity(warp::UNIFORM_SPHERE_DENSITY),
+        ))
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, _direction: Vec3) -> EmissionDensity {
+        EmissionDensity {
+            point: AreaDensity(1.0),
+            direction: SolidAngleDensity(warp::UNIFORM_SPHERE_DENSITY),
+        }
     }
 }

@@ -2,8 +2,9 @@
 
 use std::f32::consts::PI;
 
-use super::{EmitterClass, EmitterError, EmitterModel, EmitterSample};
-use crate::math::{Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part};
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample};
+use crate::math::{AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part};
+use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
 
 /// A point light that throws a picture: a camera whose light goes the other way.
@@ -136,6 +137,27 @@ impl EmitterModel for Projector {
             is_dirac: true,
             surface: None,
         })
+    }
+
+    /// Directions are uniform on a screen across the axis.
+    #[inline]
+    fn sample_emission(&self, _u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let on_screen = (1.0 - 2.0 * u_direction) * self.half_extent;
+        let direction = (self.axes * on_screen.extend(1.0)).normalize();
+        let density = self.emission_density(None, direction).direction;
+        (density.0 > 0.0).then(|| {
+            EmittedRay::from_point(self.position, direction, self.intensity(direction), density)
+        })
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+        let screen = 4.0 * self.half_extent.element_product();
+        let stretch = self.through_slide(direction).map_or(0.0, |(_, s)| s);
+        EmissionDensity {
+            point: AreaDensity(1.0),
+            direction: SolidAngleDensity(stretch / screen),
+        }
     }
 }
 

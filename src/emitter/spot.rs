@@ -2,8 +2,11 @@
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{EmitterClass, EmitterError, EmitterModel, EmitterSample};
-use crate::math::{Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part};
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample};
+use crate::math::{
+    AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part, warp,
+};
+use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
 
 /// How wide the beam of a [`Spot`] is; angles from its axis, in radians.
@@ -32,6 +35,12 @@ impl Beam {
         } else {
             (self.cutoff - angle) / (self.cutoff - self.full)
         }
+    }
+
+    /// One minus the cosine of the cutoff.
+    #[inline]
+    fn one_minus_cos(self) -> f32 {
+        2.0 * (0.5 * self.cutoff).sin().powi(2)
     }
 
     /// Solid angle in sr, weighted by the falloff.
@@ -213,6 +222,31 @@ impl EmitterModel for Spot {
             is_dirac: true,
             surface: None,
         })
+    }
+
+    /// Directions are uniform in the cone.
+    #[inline]
+    fn sample_emission(&self, _u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let local = warp::uniform_cone(u_direction, self.beam.one_minus_cos());
+        let direction = (self.axes * local).normalize();
+        Some(EmittedRay::from_point(
+            self.position,
+            direction,
+            self.intensity_along(direction),
+            SolidAngleDensity(warp::uniform_cone_density(self.beam.one_minus_cos())),
+        ))
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+        let one_minus_cos = self.beam.one_minus_cos();
+        // From the difference: the cosine says little about small angles.
+        let is_inside = direction.distance_squared(self.axes.z_axis) <= 2.0 * one_minus_cos;
+        let cone = warp::uniform_cone_density(one_minus_cos);
+        EmissionDensity {
+            point: AreaDensity(1.0),
+            direction: SolidAngleDensity(if is_inside { cone } else { 0.0 }),
+        }
     }
 }
 

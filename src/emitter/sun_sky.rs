@@ -13,9 +13,13 @@ use std::sync::Arc;
 
 use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
 
-use super::{EmitterClass, EmitterError, EmitterModel, EmitterSample, Envmap, SceneBounds};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample, Envmap,
+    SceneBounds,
+};
 use crate::image::{Bitmap, Texels};
 use crate::math::{Frame, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
+use crate::shape::SurfacePoint;
 
 /// Width of the table of the sky, around the horizon.
 const WIDTH: u32 = 512;
@@ -56,7 +60,7 @@ pub struct SunSky {
     sun: Sun,
     /// Share of the samples that go to the sky.
     sky_share: f32,
-    scene_radius: f32,
+    bounds: SceneBounds,
 }
 
 /// A disk of even radiance.
@@ -95,7 +99,7 @@ impl SunSky {
             sky,
             sun,
             sky_share,
-            scene_radius: 1.0,
+            bounds: SceneBounds::UNIT,
         })
     }
 }
@@ -224,12 +228,12 @@ impl EmitterModel for SunSky {
 
     fn set_scene_bounds(&mut self, bounds: SceneBounds) {
         self.sky.set_scene_bounds(bounds);
-        self.scene_radius = bounds.radius;
+        self.bounds = bounds;
     }
 
     /// What enters the sphere around the scene.
     fn power(&self) -> f64 {
-        let cross_section = PI * f64::from(self.scene_radius).powi(2);
+        let cross_section = PI * f64::from(self.bounds.radius).powi(2);
         self.sky.power() + cross_section * f64::from(self.sun.irradiance())
     }
 
@@ -283,6 +287,20 @@ impl EmitterModel for SunSky {
         }
         let sun = warp::uniform_cone_density(self.sun.one_minus_cos);
         SolidAngleDensity(sky + (1.0 - self.sky_share) * sun)
+    }
+
+    #[inline]
+    fn sample_emission(&self, u_point: Vec2, u_direction: Vec2) -> Option<EmittedRay> {
+        let sample = self.sample_toward(self.bounds.centre, u_direction)?;
+        Some(EmittedRay::from_infinity(&sample, self.bounds, u_point))
+    }
+
+    #[inline]
+    fn emission_density(&self, _at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
+        EmissionDensity {
+            point: self.bounds.disk_density(),
+            direction: self.environment_density(-direction),
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::{Event, Path, PathSpace, PathVertex, luminance};
+use super::{Event, Path, PathSpace, PathVertex, VertexKind, luminance};
 use crate::bsdf::{BsdfModel, DiracEvent, Transport};
 use crate::emitter::EmitterClass;
 use crate::math::Vec3;
@@ -218,10 +218,20 @@ impl PathSpace<'_> {
     /// the lens cancel.
     pub fn pixels_per_area(&self, path: &Path) -> Option<f64> {
         let (lens, first) = (path.vertices().first()?, path.vertices().get(1)?);
-        let (direction, distance_squared) = self.edge(lens, first)?;
+        self.pixels_around(lens, first)
+    }
+
+    /// Number of pixels, on the image seen from a point of the lens, for each square metre around a
+    /// vertex on a surface; for each steradian around one at infinity.
+    #[inline]
+    pub fn pixels_around(&self, lens: &PathVertex, vertex: &PathVertex) -> Option<f64> {
+        let (direction, distance_squared) = self.edge(lens, vertex)?;
         let pixels = f64::from(self.sensor.pixels_per_steradian(direction));
-        let spread = f64::from(self.sensor.spread(distance_squared));
-        Some(pixels * (f64::from(first.geometric_cos(direction)) / spread))
+        let spread = match vertex.kind {
+            VertexKind::Infinity => 1.0,
+            _ => f64::from(self.sensor.spread(distance_squared)),
+        };
+        Some(pixels * (f64::from(vertex.geometric_cos(direction)) / spread))
     }
 
     /// Geometry term `G` of the edge from a vertex on a surface to the next, without visibility.

@@ -1,7 +1,9 @@
 //! The table of emitters, and the choice among them.
 
 use super::EmitterId;
-use crate::emitter::{Emitter, EmitterClass, EmitterModel, EmitterSample};
+use crate::emitter::{
+    EmissionDensity, EmittedRay, Emitter, EmitterClass, EmitterModel, EmitterSample,
+};
 use crate::math::distribution::{Choice, Discrete};
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
@@ -26,6 +28,17 @@ pub struct ChosenSample {
     pub sample: EmitterSample,
     /// The chosen emitter.
     pub emitter: EmitterId,
+}
+
+/// A ray of a chosen emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct ChosenRay {
+    /// The ray; its density does *not* include the probability of the choice.
+    pub ray: EmittedRay,
+    /// The chosen emitter.
+    pub emitter: EmitterId,
+    /// Probability of the choice.
+    pub probability: f32,
 }
 
 /// Up to so many emitters are weighed at each point; the time of a choice grows with them.
@@ -149,6 +162,48 @@ impl Lights {
         })
     }
 
+    /// Probability with which [`Lights::sample_emission`] chooses an emitter.
+    #[inline]
+    pub fn emission_probability(&self, id: EmitterId) -> f32 {
+        self.by_power
+            .as_ref()
+            .map_or(0.0, |choice| choice.probability(id.0 as usize))
+    }
+
+    /// Chooses an emitter in proportion to its power, a tenth of the choices uniformly, and samples one of
+    /// its rays.
+    ///
+    /// - `u_choice`: uniform in `[0, 1)`.
+    /// - `u_point`, `u_direction`: uniform in the unit square.
+    #[inline]
+    pub fn sample_emission(
+        &self,
+        u_choice: f32,
+        u_point: Vec2,
+        u_direction: Vec2,
+    ) -> Option<ChosenRay> {
+        let choice = self.by_power.as_ref()?.sample(u_choice);
+        let emitter = EmitterId(choice.index as u32);
+        let ray = self.get(emitter).sample_emission(u_point, u_direction)?;
+        Some(ChosenRay {
+            ray,
+            emitter,
+            probability: choice.probability,
+        })
+    }
+
+    /// Density with which [`Lights::sample_emission`] makes a ray of an emitter, once that is chosen; see
+    /// [`EmitterModel::emission_density`].
+    #[inline]
+    pub fn emission_density(
+        &self,
+        id: EmitterId,
+        at: Option<&SurfacePoint>,
+        direction: Vec3,
+    ) -> EmissionDensity {
+        self.get(id).emission_density(at, direction)
+    }
+
     /// Density with which [`Lights::sample_toward`] makes the direction to a point of an area light.
     #[inline]
     pub fn density_toward(
@@ -249,6 +304,34 @@ mod tests {
             }
         }
         assert!(points(0).choose(from, 0.5).is_none());
+    }
+
+    #[test]
+    fn rays_come_from_emitters_in_proportion_to_their_power() {
+        for count in [1, 3, 20] {
+            let lights = points(count);
+            let total: f64 = lights.emitters().iter().map(EmitterModel::power).sum();
+            let n = 20_000;
+            let mut counts = vec![0; count];
+            for i in 0..n {
+                let u = (i as f32 + 0.5) / n as f32;
+                let half = Vec2::splat(0.5);
+                let chosen = lights.sample_emission(u, half, half).unwrap();
+                counts[chosen.emitter.0 as usize] += 1;
+                let said = lights.emission_probability(chosen.emitter);
+                assert_eq!(chosen.probability, said);
+            }
+            for (emitter, found) in lights.emitters().iter().zip(counts) {
+                let share = 0.9 * emitter.power() / total + 0.1 / count as f64;
+                let expected = share * f64::from(n);
+                assert!(
+                    (f64::from(found) - expected).abs() < 3.0,
+                    "{found}, {expected}"
+                );
+            }
+        }
+        let none = points(0).sample_emission(0.5, Vec2::ZERO, Vec2::ZERO);
+        assert!(none.is_none());
     }
 
     #[test]

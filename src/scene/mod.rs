@@ -8,7 +8,7 @@ pub mod options;
 
 pub use builder::{BuildError, SceneBuilder};
 pub use interaction::Interaction;
-pub use lights::{ChosenSample, Lights};
+pub use lights::{ChosenRay, ChosenSample, Lights};
 
 use std::sync::Arc;
 

@@ -1,0 +1,130 @@
+//! Rays of light: where they leave an emitter or come from far away, and where they go.
+
+use super::{EmitterSample, SceneBounds};
+use crate::math::{AreaDensity, Frame, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
+use crate::shape::SurfacePoint;
+
+/// Density of an emitted ray: that of where it starts times that of where it goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmissionDensity {
+    /// Density of the point on a surface; one for a light at a point. For lights infinitely far away
+    /// that of the point on a disk across the ray.
+    pub point: AreaDensity,
+    /// Density of the direction, given the point; one for a light of one direction.
+    pub direction: SolidAngleDensity,
+}
+
+/// A ray of light that was sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct EmittedRay {
+    /// Where it starts, off the surface that glows; for lights infinitely far away a point before the
+    /// scene.
+    pub origin: Vec3,
+    /// Unit direction in which the light travels.
+    pub direction: Vec3,
+    /// The point of the surface that glows; `None` for emitters that are no surfaces.
+    pub surface: Option<SurfacePoint>,
+    /// What is sent: radiance (W·m⁻²·sr⁻¹) of a surface or an environment, intensity (W·sr⁻¹) of a light
+    /// at a point, irradiance (W·m⁻²) of a light of one direction.
+    pub value: Rgb,
+    /// The density with which the ray was made.
+    pub density: EmissionDensity,
+}
+
+impl EmittedRay {
+    /// Value times cosine over density, in W: its mean is the power of the emitter.
+    #[inline]
+    pub fn power(&self) -> Rgb {
+        let cos = self
+            .surface
+            .map_or(1.0, |at| at.geometric_normal.dot(self.direction).abs());
+        self.value * (cos / (self.density.point.0 * self.density.direction.0))
+    }
+
+    /// A ray that leaves a point of a surface, cosine-weighted.
+    ///
+    /// - `radiance`: of the point.
+    /// - `density`: of the point.
+    /// - `u`: uniform in the unit square.
+    #[inline]
+    pub(super) fn from_surface(
+        at: SurfacePoint,
+        density: AreaDensity,
+        radiance: Rgb,
+        u: Vec2,
+    ) -> Self {
+        let local = warp::cosine_hemisphere(u);
+        let frame = Frame::around(at.geometric_normal);
+        let across = frame.tangent * local.x + frame.bitangent * local.y;
+        let direction = (across + frame.normal * local.z).normalize();
+        Self {
+            origin: at.ray_origin(direction),
+            direction,
+            surface: Some(at),
+            value: radiance,
+            density: EmissionDensity {
+                point: density,
+                direction: from_surface_density(&at, direction),
+            },
+        }
+    }
+
+    /// A ray that leaves a light at a point.
+    #[inline]
+    pub(super) fn from_point(
+        origin: Vec3,
+        direction: Vec3,
+        intensity: Rgb,
+        density: SolidAngleDensity,
+    ) -> Self {
+        Self {
+            origin,
+            direction,
+            surface: None,
+            value: intensity,
+            density: EmissionDensity {
+                point: AreaDensity(1.0),
+                direction: density,
+            },
+        }
+    }
+
+    /// A ray from infinity through a disk as wide as the scene.
+    ///
+    /// - `sample`: where it comes from.
+    /// - `u`: uniform in the unit square; chooses the point of the disk.
+    #[inline]
+    pub(super) fn from_infinity(sample: &EmitterSample, bounds: SceneBounds, u: Vec2) -> Self {
+        let frame = Frame::around(sample.direction);
+        let place = warp::uniform_disk(u);
+        let across = frame.tangent * place.x + frame.bitangent * place.y;
+        Self {
+            origin: bounds.centre + (across + frame.normal * BEFORE) * bounds.radius,
+            direction: -sample.direction,
+            surface: None,
+            value: sample.radiance,
+            density: EmissionDensity {
+                point: bounds.disk_density(),
+                direction: sample.density,
+            },
+        }
+    }
+}
+
+/// How far before the scene's middle rays from infinity start, in radii of the scene.
+const BEFORE: f32 = 1.01;
+
+/// Density of the directions of [`EmittedRay::from_surface`].
+#[inline]
+pub(super) fn from_surface_density(at: &SurfacePoint, direction: Vec3) -> SolidAngleDensity {
+    let cos = at.geometric_normal.dot(direction);
+    SolidAngleDensity(warp::cosine_hemisphere_density(cos))
+}
+
+impl SceneBounds {
+    /// Density of a uniform point on the largest disk inside of the sphere.
+    #[inline]
+    pub fn disk_density(&self) -> AreaDensity {
+        AreaDensity(warp::UNIFORM_DISK_DENSITY / (self.radius * self.radius))
+    }
+}
