@@ -1,5 +1,6 @@
 //! Scene files: real ones load, broken ones say what is wrong and where.
 
+mod attributes;
 mod materials;
 mod plugins;
 

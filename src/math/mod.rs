@@ -3,6 +3,7 @@
 //! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32): geometry is single precision, products along a
 //! path and sums are `f64`.
 
+mod chart;
 mod cie;
 pub mod distribution;
 pub mod error_function;
@@ -15,6 +16,7 @@ pub mod statistics;
 mod transform;
 pub mod warp;
 
+pub use chart::TriangleChart;
 pub use frame::{Frame, Local, rotation_part};
 pub use measure::{AreaDensity, SolidAngleDensity};
 pub use rgb::Rgb;

@@ -7,8 +7,11 @@
 //! The order of a triangle's corners is its geometric orientation: the geometric normal is
 //! `(p1 − p0) × (p2 − p0)`. Vertex normals say nothing about that orientation and may disagree.
 
+mod attribute;
 mod crease;
 mod normals;
+
+pub use attribute::{AttributeDomain, MeshAttribute};
 
 use glam::{DMat3, DVec3};
 
@@ -28,6 +31,8 @@ pub struct MeshData {
     pub normals: Option<Vec<[f32; 3]>>,
     /// Texture coordinates, one per vertex.
     pub uvs: Option<Vec<[f32; 2]>>,
+    /// What else the mesh carries.
+    pub attributes: Vec<MeshAttribute>,
 }
 
 /// What makes a mesh unusable.
@@ -42,12 +47,13 @@ pub enum MeshFlaw {
         /// How many there are.
         count: usize,
     },
-    /// The array of normals or of texture coordinates is not as long as that of positions.
-    #[error("{found} {what} for {expected} vertices")]
+    /// The array of normals, of texture coordinates or of an attribute's values is not as long as that
+    /// of positions, or of triangles for an attribute of faces.
+    #[error("{found} {what}, expected {expected}")]
     LengthMismatch {
-        /// "normals" or "texture coordinates".
+        /// "normals", "texture coordinates" or "values of an attribute".
         what: &'static str,
-        /// Number of vertices.
+        /// Number of vertices or triangles.
         expected: usize,
         /// Length of the array.
         found: usize,
@@ -93,6 +99,14 @@ impl MeshData {
             "texture coordinate",
             self.uvs.as_deref().unwrap_or_default(),
         )?;
+        for attribute in &self.attributes {
+            check_length(
+                "values of an attribute",
+                attribute.expected(self),
+                attribute.values.len(),
+            )?;
+            check_finite("attribute", &attribute.values)?;
+        }
         for (triangle, corners) in self.indices.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertex_count) {
                 return Err(MeshFlaw::IndexOutOfRange {
@@ -143,6 +157,33 @@ impl MeshData {
         }
     }
 
+    /// Some of the triangles, with the vertices that they use.
+    ///
+    /// - `triangles`: indices below the number of triangles.
+    pub fn part(&self, triangles: impl IntoIterator<Item = usize>) -> Self {
+        let (mut origins, mut new_of_old) = (Vec::new(), vec![u32::MAX; self.positions.len()]);
+        let (mut indices, mut faces) = (Vec::new(), Vec::new());
+        for triangle in triangles {
+            faces.push(triangle as u32);
+            indices.push(self.indices[triangle].map(|old| {
+                let new = &mut new_of_old[old as usize];
+                if *new == u32::MAX {
+                    *new = origins.len() as u32;
+                    origins.push(old);
+                }
+                *new
+            }));
+        }
+        let attributes = self.attributes.iter().cloned();
+        Self {
+            positions: gather(&self.positions, &origins),
+            indices,
+            normals: self.normals.as_ref().map(|list| gather(list, &origins)),
+            uvs: self.uvs.as_ref().map(|list| gather(list, &origins)),
+            attributes: attributes.map(|a| a.gathered(&origins, &faces)).collect(),
+        }
+    }
+
     /// Drops the vertex normals, for a faceted look.
     pub fn remove_normals(&mut self) {
         self.normals = None;
@@ -172,6 +213,11 @@ impl MeshData {
     fn corner_positions(&self, corners: [u32; 3]) -> [DVec3; 3] {
         corners.map(|i| DVec3::from(Vec3::from_array(self.positions[i as usize])))
     }
+}
+
+/// The elements at some indices.
+fn gather<T: Copy>(list: &[T], indices: &[u32]) -> Vec<T> {
+    indices.iter().map(|index| list[*index as usize]).collect()
 }
 
 /// A positive multiple of the inverse transpose of the linear part.
@@ -236,6 +282,7 @@ mod tests {
             indices: vec![[0, 1, 2]],
             normals: Some(vec![[0., 0., 1.], [0., 0., 1.], [0.6, 0., 0.8]]),
             uvs: Some(vec![[0., 0.], [1., 0.], [0., 1.]]),
+            attributes: vec![],
         }
     }
 
@@ -270,11 +317,11 @@ mod tests {
         );
         assert_eq!(
             message(|m| m.normals = Some(vec![])),
-            "0 normals for 3 vertices"
+            "0 normals, expected 3"
         );
         assert_eq!(
             message(|m| m.uvs.as_mut().unwrap().push([0., 0.])),
-            "4 texture coordinates for 3 vertices"
+            "4 texture coordinates, expected 3"
         );
     }
 

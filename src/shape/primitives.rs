@@ -9,6 +9,7 @@ pub fn rectangle() -> MeshData {
         indices: vec![[0, 1, 2], [2, 3, 0]],
         normals: Some(vec![[0., 0., 1.]; 4]),
         uvs: Some(vec![[0., 0.], [1., 0.], [1., 1.], [0., 1.]]),
+        attributes: Vec::new(),
     }
 }
 

@@ -6,7 +6,7 @@ use super::mesh::MeshData;
 use super::{Derivatives, ShapeHit, ShapeModel, SurfacePoint};
 use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
-use crate::math::{AreaDensity, Vec2, Vec3, warp};
+use crate::math::{AreaDensity, TriangleChart, Vec2, Vec3, warp};
 
 /// Meshes of up to so many triangles keep what the points of each triangle share: 80 bytes a
 /// triangle, about as much as the tracer itself takes. Larger ones work it out anew for each point.
@@ -28,6 +28,8 @@ pub struct TriangleMesh {
     density: AreaDensity,
     /// Whether points know how they change with the texture coordinates.
     derivatives: bool,
+    /// Where points get their coordinates from instead of `uvs`.
+    chart: Option<TriangleChart>,
 }
 
 impl TriangleMesh {
@@ -52,6 +54,7 @@ impl TriangleMesh {
             area: 0.0,
             density: AreaDensity::default(),
             derivatives: false,
+            chart: None,
         };
         mesh.area = mesh.triangle_areas().sum();
         mesh.density = AreaDensity((1.0 / mesh.area) as f32);
@@ -79,6 +82,17 @@ impl TriangleMesh {
     /// bumps need; shading frames then follow the coordinates.
     pub fn follow_coordinates(&mut self) {
         self.derivatives = true;
+    }
+
+    /// Gives points the places of a [`TriangleChart`] as their coordinates, for textures that ask
+    /// where on the mesh they are; derivatives stay those by the texture coordinates.
+    pub fn use_chart(&mut self) {
+        self.chart = Some(TriangleChart::new(self.triangles.as_slice().len()));
+    }
+
+    /// The texture coordinates, one a vertex.
+    pub fn uvs(&self) -> Option<&[Vec2]> {
+        self.uvs.as_deref()
     }
 
     fn triangle_areas(&self) -> impl Iterator<Item = f64> + '_ {
@@ -127,6 +141,7 @@ impl TriangleMesh {
             }
         }
         let uv = match &self.uvs {
+            _ if self.chart.is_some() => self.place(primitive, barycentrics),
             Some(uvs) => {
                 let triangle = self.triangles.as_slice()[primitive as usize];
                 let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
@@ -148,6 +163,13 @@ impl TriangleMesh {
             uv,
             error: facet.error,
         }
+    }
+
+    /// The place of a point in the chart.
+    #[cold]
+    fn place(&self, primitive: u32, barycentrics: Vec2) -> Vec2 {
+        let chart = self.chart;
+        chart.map_or(barycentrics, |chart| chart.place(primitive, barycentrics))
     }
 
     /// ∂p/∂u and ∂p/∂v; zero where the texture coordinates do not span the plane.

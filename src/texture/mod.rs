@@ -3,11 +3,13 @@
 mod bitmap;
 mod checkerboard;
 mod constant;
+mod mesh_surface;
 mod scaled;
 
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use constant::Constant;
+pub use mesh_surface::{MeshAttribute, MeshSurface, OnMesh};
 pub use scaled::Scaled;
 
 use crate::math::{Rgb, Vec2};
@@ -81,6 +83,10 @@ texture_models! {
     Checkerboard(Checkerboard),
     /// One colour everywhere.
     Constant(Constant),
+    /// Values that a mesh carries.
+    MeshAttribute(MeshAttribute),
+    /// A texture at the texture coordinates of a mesh whose points tell where on it they lie.
+    OnMesh(OnMesh),
     /// A texture times a factor.
     Scaled(Scaled),
 }

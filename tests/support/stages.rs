@@ -138,7 +138,7 @@ fn coarse_ball(centre: Vec3, radius: f32) -> TriangleMesh {
             .collect(),
         normals: Some(normals.iter().map(|n| n.to_array()).collect()),
         indices,
-        uvs: None,
+        ..MeshData::default()
     };
     data.validate().expect("the ball is sound");
     data.into()

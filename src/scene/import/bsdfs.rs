@@ -43,7 +43,9 @@ const KNOWN: [&str; 24] = [
 impl Loader<'_> {
     /// Builds a material, or finds the one that was built before.
     pub(super) fn bsdf(&mut self, id: ElementId) -> BsdfId {
-        if let Some(built) = self.bsdfs.get(&id) {
+        // What a mesh carries belongs to its own copy of the material.
+        let is_shared = self.carrier.is_none();
+        if let (true, Some(built)) = (is_shared, self.bsdfs.get(&id)) {
             return *built;
         }
         self.follows_coordinates = false;
@@ -52,7 +54,9 @@ impl Loader<'_> {
         if self.follows_coordinates {
             self.needs_derivatives.insert(built);
         }
-        self.bsdfs.insert(id, built);
+        if is_shared {
+            self.bsdfs.insert(id, built);
+        }
         built
     }
 

@@ -8,6 +8,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::media::Medium;
 use super::mesh::serialized::SerializedFile;
+use super::textures::Carrier;
 use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
 use crate::scene::{BsdfId, GroupId, SceneBuilder};
 use crate::texture::Texture;
@@ -41,6 +42,8 @@ pub(super) struct Loader<'t> {
     /// and those that do.
     pub(super) follows_coordinates: bool,
     pub(super) needs_derivatives: HashSet<BsdfId>,
+    /// The mesh that the material under construction is for, where that asks for its attributes.
+    pub(super) carrier: Option<Carrier>,
     hash: RefCell<Xxh3>,
 }
 
@@ -63,6 +66,7 @@ impl<'t> Loader<'t> {
             media: Vec::new(),
             follows_coordinates: false,
             needs_derivatives: HashSet::new(),
+            carrier: None,
             hash: RefCell::new(Xxh3::new()),
         }
     }

@@ -7,11 +7,12 @@ use std::path::Path;
 use super::loader::Loader;
 use super::mesh::serialized::SerializedFile;
 use super::mesh::{ImportedMesh, MeshError, obj, ply};
+use super::textures::Carrier;
 use super::xml::{ElementId, ElementKind, ElementReader};
 use crate::accel::{IndexBuffer, VertexBuffer};
 use crate::math::{Transform, Vec2, Vec3};
 use crate::scene::BsdfId;
-use crate::shape::mesh::MeshData;
+use crate::shape::mesh::{MeshAttribute, MeshData};
 use crate::shape::{self, Cylinder, Disk, Shape, ShapeError, Sphere, TriangleMesh};
 use crate::texture::Texture;
 
@@ -66,10 +67,6 @@ impl Loader<'_> {
         let bsdfs = reader.children(ElementKind::Bsdf);
         let emitter = reader.child(ElementKind::Emitter);
         self.media_of(&mut reader);
-        let bsdf = match bsdfs.last() {
-            Some(bsdf) => self.bsdf(*bsdf),
-            None => self.default_bsdf(emitter.is_some()),
-        };
         if bsdfs.len() > 1 {
             reader.warning(
                 "",
@@ -77,20 +74,31 @@ impl Loader<'_> {
             );
         }
         self.area_lights.extend(emitter);
-        let emission = emitter.and_then(|emitter| Some((self.area_radiance(emitter)?, emitter)));
-        let built = match reader.plugin() {
+        let mut attributes = Vec::new();
+        let mut built = match reader.plugin() {
             "sphere" => self.sphere(&mut reader),
             "disk" => self.disk(&mut reader),
             "cylinder" => self.cylinder(&mut reader),
             "rectangle" => self.primitive(&mut reader, shape::primitives::rectangle()),
             "cube" => self.primitive(&mut reader, shape::primitives::cube()),
-            "obj" | "ply" | "serialized" => self.mesh_file(&mut reader),
+            "obj" | "ply" | "serialized" => self.mesh_file(&mut reader, &mut attributes),
             _ => {
                 self.unknown_plugin(id, KNOWN, "left out");
                 return None;
             }
         };
         reader.finish();
+        let mut parts = bsdfs.last().into_iter().chain(&emitter);
+        if parts.any(|part| self.asks_for_attributes(*part)) {
+            let shape = built.as_mut();
+            self.carrier = shape.map(|shape| Carrier::new(shape, attributes));
+        }
+        let bsdf = match bsdfs.last() {
+            Some(bsdf) => self.bsdf(*bsdf),
+            None => self.default_bsdf(emitter.is_some()),
+        };
+        let emission = emitter.and_then(|emitter| Some((self.area_radiance(emitter)?, emitter)));
+        self.carrier = None;
         let mut shape = built?;
         if let (Shape::TriangleMesh(mesh), true) =
             (&mut shape, self.needs_derivatives.contains(&bsdf))
@@ -150,7 +158,14 @@ impl Loader<'_> {
         self.finish_mesh(reader, data, &to_world, flip)
     }
 
-    fn mesh_file(&mut self, reader: &mut ElementReader<'_>) -> Option<Shape> {
+    /// Builds the mesh of a file.
+    ///
+    /// - `attributes`: takes those of the mesh.
+    fn mesh_file(
+        &mut self,
+        reader: &mut ElementReader<'_>,
+        attributes: &mut Vec<MeshAttribute>,
+    ) -> Option<Shape> {
         let to_world = reader.transform("to_world");
         let flip = reader.boolean("flip_normals", false);
         let faceted = reader.boolean("face_normals", false);
@@ -167,6 +182,7 @@ impl Loader<'_> {
         } else if data.normals.is_none() {
             data.compute_vertex_normals();
         }
+        *attributes = std::mem::take(&mut data.attributes);
         self.finish_mesh(reader, data, &to_world, flip)
     }
 

@@ -4,17 +4,68 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::loader::Loader;
-use super::xml::{ColourUse, ElementId, ElementKind, ElementReader, Location};
+use super::xml::{ColourUse, ElementId, ElementKind, ElementReader, Location, did_you_mean};
 use crate::image::{self, Bitmap, Transfer};
-use crate::math::{Mat3, Rgb, Vec2};
-use crate::texture::{self, Checkerboard, Filter, Scaled, Texture, Wrap};
+use crate::math::{Mat3, Rgb, Vec2, Vec3};
+use crate::shape::Shape;
+use crate::shape::mesh::{AttributeDomain, MeshAttribute};
+use crate::texture::{
+    self, Checkerboard, Filter, MeshSurface, OnMesh, Scaled, Texture, TextureModel, Wrap,
+};
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 3] = ["bitmap", "checkerboard", "scale"];
+const KNOWN: [&str; 4] = ["bitmap", "checkerboard", "mesh_attribute", "scale"];
+
+/// A shape of whose attributes a material asks.
+pub(super) struct Carrier {
+    /// Of a mesh.
+    surface: Option<MeshSurface>,
+    attributes: Vec<MeshAttribute>,
+}
+
+impl Carrier {
+    /// Prepares a shape for textures that ask for its attributes.
+    pub(super) fn new(shape: &mut Shape, attributes: Vec<MeshAttribute>) -> Self {
+        let surface = match shape {
+            Shape::TriangleMesh(mesh) => {
+                mesh.use_chart();
+                let uvs = mesh.uvs().map(Into::into);
+                Some(MeshSurface::new(mesh.triangles().clone(), uvs))
+            }
+            _ => None,
+        };
+        Self {
+            surface,
+            attributes,
+        }
+    }
+}
 
 impl Loader<'_> {
     /// Builds a texture, or finds the one that was built before; `None` after noting why not.
     pub(super) fn texture(&mut self, id: ElementId) -> Option<Texture> {
+        match self.tree[id].plugin.as_str() {
+            // Those below have been given their places.
+            "scale" if self.carrier.is_some() => {
+                let mut reader = self.reader(id);
+                let built = self.scaled(&mut reader);
+                reader.finish();
+                return built;
+            }
+            "mesh_attribute" | "vertexcolors" => return self.mesh_attribute(id),
+            _ => {}
+        }
+        let built = self.texture_by_uv(id)?;
+        let carrier = self.carrier.as_ref();
+        let surface = carrier.and_then(|carrier| carrier.surface.as_ref());
+        Some(match surface {
+            Some(surface) if !built.is_constant() => OnMesh::new(surface.clone(), built).into(),
+            _ => built,
+        })
+    }
+
+    /// [`Loader::texture`] for what depends on texture coordinates alone.
+    fn texture_by_uv(&mut self, id: ElementId) -> Option<Texture> {
         if let Some(built) = self.textures.get(&id) {
             return built.clone();
         }
@@ -31,6 +82,45 @@ impl Loader<'_> {
         reader.finish();
         self.textures.insert(id, built.clone());
         built
+    }
+
+    /// True where an element, or one inside of it, asks for attributes of the mesh that it is on.
+    pub(super) fn asks_for_attributes(&self, id: ElementId) -> bool {
+        let element = &self.tree[id];
+        let is_one = matches!(element.plugin.as_str(), "mesh_attribute" | "vertexcolors");
+        let mut children = element.children.iter();
+        is_one || children.any(|child| self.asks_for_attributes(child.element))
+    }
+
+    fn mesh_attribute(&mut self, id: ElementId) -> Option<Texture> {
+        let mut reader = self.reader(id);
+        let name = match reader.plugin() {
+            "vertexcolors" => Some("vertex_color"),
+            _ => reader.required_string("name"),
+        };
+        let factor = reader.float("scale", 1.0);
+        reader.finish();
+        // A material that stands by itself is built for its problems alone.
+        let (name, carrier) = (name?, self.carrier.as_ref()?);
+        let found = carrier.attributes.iter().find(|found| found.name == name);
+        let Some(attribute) = found else {
+            let known = carrier.attributes.iter().map(|known| known.name.as_str());
+            let message = match known.clone().count() {
+                0 => format!("a shape without attributes has no \"{name}\""),
+                _ => {
+                    let hint = did_you_mean(name, known.clone());
+                    let known = known.collect::<Vec<_>>().join(", ");
+                    format!("the mesh has no attribute \"{name}\"{hint}; it has {known}")
+                }
+            };
+            self.problems.error(self.location(id), message);
+            return None;
+        };
+        let values = attribute.values.iter();
+        let values = values.map(|value| Rgb(Vec3::from_array(*value)) * factor);
+        let by_face = attribute.domain == AttributeDomain::Face;
+        let surface = carrier.surface.clone()?;
+        Some(texture::MeshAttribute::new(surface, values.collect(), by_face).into())
     }
 
     fn bitmap(&self, reader: &mut ElementReader<'_>) -> Option<Texture> {

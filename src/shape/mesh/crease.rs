@@ -31,15 +31,20 @@ impl MeshData {
             ..Self::default()
         };
         let mut vertices = HashMap::new();
+        // The vertex that each new one was made of.
+        let mut origins = Vec::new();
         for (triangle, corners) in self.indices.iter().enumerate() {
             let mut new_corners = [0; 3];
             for (corner, &old) in corners.iter().enumerate() {
                 let cluster = root(triangle, corner);
                 let uv = self.uvs.as_ref().map(|uvs| uvs[old as usize]);
-                let key = (cluster, uv.map(|uv| uv.map(f32::to_bits)));
+                // Vertices that carry more than these stay apart.
+                let apart = (!self.attributes.is_empty()).then_some(old);
+                let key = (cluster, uv.map(|uv| uv.map(f32::to_bits)), apart);
                 let next = rebuilt.positions.len();
                 let vertex = *vertices.entry(key).or_insert(next);
                 if vertex == next {
+                    origins.push(old);
                     rebuilt.positions.push(self.positions[old as usize]);
                     rebuilt
                         .normals
@@ -52,6 +57,10 @@ impl MeshData {
             }
             rebuilt.indices.push(new_corners);
         }
+        let triangles: Vec<u32> = (0..self.indices.len() as u32).collect();
+        let attributes = std::mem::take(&mut self.attributes).into_iter();
+        let attributes = attributes.map(|a| a.gathered(&origins, &triangles));
+        rebuilt.attributes = attributes.collect();
         *self = rebuilt;
     }
 

@@ -1,8 +1,8 @@
 //! Readers of mesh files: Wavefront OBJ, PLY and Mitsuba's serialized format.
 //!
 //! Each format has a `parse` from bytes (in memory, no file access, never panics) and a `read`
-//! that opens the file. All give one mesh per file or shape as [`ImportedMesh`]; materials,
-//! groups and colours in the files are not used.
+//! that opens the file. All give one mesh per file or shape as [`ImportedMesh`]; materials and groups
+//! in the files are not used.
 //!
 //! Mitsuba 3.9.1 computes smooth vertex normals for OBJ, PLY and serialized alike where the file
 //! has none, unless the shape says `face_normals`. The readers leave `normals` at `None` then and

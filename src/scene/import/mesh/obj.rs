@@ -1,6 +1,7 @@
 //! Wavefront OBJ: polygons with positions, texture coordinates and normals.
 //!
-//! The whole file is one mesh: groups, objects, smoothing groups and materials are ignored.
+//! The whole file is one mesh: groups, objects and smoothing groups are ignored. [`parse_model`] also
+//! tells which triangles have which material.
 //! Faces may stand before the vertices that they name. Polygons become fans around their first
 //! corner, as in Mitsuba, so that only convex ones come out right.
 //!
@@ -8,9 +9,13 @@
 //! texture coordinates and normals may be present on a part of the faces only, and because names
 //! and comments of old files are not UTF-8. `tobj` checks the result in the tests.
 
+mod corners;
+
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::ops::Range;
 use std::path::Path;
+
+use corners::Corners;
 
 use super::{ImportedMesh, MeshError, MeshProblem, Place, read_with};
 use crate::shape::mesh::{MeshData, MeshFlaw};
@@ -42,6 +47,28 @@ pub fn read(file: &Path, flip_tex_coords: bool) -> Result<ImportedMesh, MeshErro
 /// # Errors
 /// [`MeshProblem::Syntax`], `NotFinite` and `IndexOutOfRange` with the line; `Empty` without faces.
 pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshProblem> {
+    Ok(parse_model(bytes, flip_tex_coords)?.mesh)
+}
+
+/// An OBJ file, with what it says of materials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjModel {
+    /// All of it as one mesh.
+    pub mesh: ImportedMesh,
+    /// The libraries of materials that it names, each with its line.
+    pub libraries: Vec<(usize, String)>,
+    /// The names of its materials, each with the line that names it first.
+    pub materials: Vec<(usize, String)>,
+    /// Pieces of the triangles' list, in order, each with its index in `materials`; `None` for those
+    /// before the first material.
+    pub pieces: Vec<(Range<usize>, Option<usize>)>,
+}
+
+/// Parses the text of an OBJ file, and keeps what it says of materials; all else as for [`parse`].
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_model(bytes: &[u8], flip_tex_coords: bool) -> Result<ObjModel, MeshProblem> {
     let mut reader = Reader::default();
     for (number, line) in Lines::new(bytes) {
         reader.line(number, &line)?;
@@ -106,11 +133,12 @@ struct Reader {
     positions: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
-    /// From the three indices of a corner (from 0, or [`ABSENT`]) to its vertex.
-    vertex_of_corner: HashMap<[u32; 3], u32>,
-    /// The inverse of `vertex_of_corner`.
-    vertices: Vec<[u32; 3]>,
+    corners: Corners,
     triangles: Vec<[u32; 3]>,
+    libraries: Vec<(usize, String)>,
+    materials: Vec<(usize, String)>,
+    /// Where another material begins: the next triangle, and the material's index.
+    changes: Vec<(usize, usize)>,
     forward: [Option<Forward>; 3],
     short_faces: usize,
     lines_and_curves: usize,
@@ -142,6 +170,8 @@ impl Reader {
             // Exporters write zeros and NaNs for faces without area; these are computed later.
             b"vn" => self.normals.push(numbers(number, "vn", words, 3)?),
             b"f" => self.face(number, words)?,
+            b"usemtl" => self.use_material(number, name(line, keyword)),
+            b"mtllib" => self.libraries.push((number, name(line, keyword))),
             b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.lines_and_curves += 1,
             _ => {}
         }
@@ -212,70 +242,99 @@ impl Reader {
     }
 
     fn vertex(&mut self, corner: [u32; 3]) -> Result<u32, MeshProblem> {
-        let count = self.vertices.len();
-        let next = u32::try_from(count).map_err(|_| {
-            MeshProblem::Flawed(MeshFlaw::TooMany {
-                what: "vertices",
-                count,
-            })
-        })?;
-        let vertex = *self.vertex_of_corner.entry(corner).or_insert(next);
-        if vertex == next {
-            self.vertices.push(corner);
-        }
-        Ok(vertex)
+        let count = self.corners.vertices().len();
+        let vertex = self.corners.find_or_add(corner, self.positions.len());
+        vertex.ok_or(MeshProblem::Flawed(MeshFlaw::TooMany {
+            what: "vertices",
+            count,
+        }))
     }
 
-    fn finish(self, flip_tex_coords: bool) -> Result<ImportedMesh, MeshProblem> {
+    /// Gives the triangles from here on a material.
+    fn use_material(&mut self, line: usize, name: String) {
+        let known = self.materials.iter().position(|known| known.1 == name);
+        let index = known.unwrap_or_else(|| {
+            self.materials.push((line, name));
+            self.materials.len() - 1
+        });
+        self.changes.push((self.triangles.len(), index));
+    }
+
+    /// The pieces of the triangles' list between changes of material.
+    fn pieces(&self) -> Vec<(Range<usize>, Option<usize>)> {
+        let starts = self
+            .changes
+            .iter()
+            .map(|(start, index)| (*start, Some(*index)));
+        let starts: Vec<_> = std::iter::once((0, None)).chain(starts).collect();
+        let ends = starts.iter().skip(1).map(|(start, _)| *start);
+        let ends = ends.chain([self.triangles.len()]);
+        let pieces = starts.iter().zip(ends);
+        let pieces = pieces.map(|((start, material), end)| (*start..end, *material));
+        pieces.filter(|(piece, _)| !piece.is_empty()).collect()
+    }
+
+    fn finish(mut self, flip_tex_coords: bool) -> Result<ObjModel, MeshProblem> {
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         for (kind, (count, forward)) in counts.into_iter().zip(self.forward).enumerate() {
             if let Some(Forward { index, line }) = forward.filter(|f| f.index > count as i64) {
                 return Err(out_of_range(line, kind, index, count));
             }
         }
-        let without_uv = self.vertices.iter().filter(|v| v[1] == ABSENT).count();
-        let without_normal = self.vertices.iter().filter(|v| v[2] == ABSENT).count();
+        let pieces = self.pieces();
+        let (data, warnings) = self.mesh(flip_tex_coords);
+        Ok(ObjModel {
+            mesh: ImportedMesh::finish(data, warnings)?,
+            libraries: self.libraries,
+            materials: self.materials,
+            pieces,
+        })
+    }
+
+    /// Unrolls the corners, and says what was left out; takes the triangles.
+    fn mesh(&mut self, flip_tex_coords: bool) -> (MeshData, Vec<String>) {
+        let vertices = self.corners.vertices();
+        let without_uv = vertices.iter().filter(|v| v[1] == ABSENT).count();
+        let without_normal = vertices.iter().filter(|v| v[2] == ABSENT).count();
         let mut warnings = Vec::new();
-        if 0 < without_uv && without_uv < self.vertices.len() {
+        if 0 < without_uv && without_uv < vertices.len() {
             warnings.push(format!(
                 "vertices without texture coordinates, (0, 0) used: {without_uv}"
             ));
         }
         if self.short_faces > 0 {
-            warnings.push(format!(
-                "faces of less than 3 corners, ignored: {}",
-                self.short_faces
-            ));
+            let count = self.short_faces;
+            warnings.push(format!("faces of less than 3 corners, ignored: {count}"));
         }
         if self.lines_and_curves > 0 {
-            warnings.push(format!(
-                "points, lines or curves, ignored: {}",
-                self.lines_and_curves
-            ));
+            let count = self.lines_and_curves;
+            warnings.push(format!("points, lines or curves, ignored: {count}"));
         }
         let uv = |vertex: &[u32; 3]| match self.uvs.get(vertex[1] as usize) {
             Some(&[u, v]) => [u, if flip_tex_coords { 1.0 - v } else { v }],
             None => [0., 0.],
         };
         let normal = |vertex: &[u32; 3]| {
-            self.normals
-                .get(vertex[2] as usize)
-                .copied()
-                .unwrap_or_default()
+            let normal = self.normals.get(vertex[2] as usize);
+            normal.copied().unwrap_or_default()
         };
-        let vertices = &self.vertices;
+        let position = |vertex: &[u32; 3]| self.positions[vertex[0] as usize];
         let data = MeshData {
-            positions: vertices
-                .iter()
-                .map(|v| self.positions[v[0] as usize])
-                .collect(),
-            indices: self.triangles,
+            positions: vertices.iter().map(position).collect(),
+            indices: std::mem::take(&mut self.triangles),
             normals: (without_normal < vertices.len())
                 .then(|| vertices.iter().map(normal).collect()),
             uvs: (without_uv < vertices.len()).then(|| vertices.iter().map(uv).collect()),
+            attributes: Vec::new(),
         };
-        ImportedMesh::finish(data, warnings)
+        (data, warnings)
     }
+}
+
+/// What follows a keyword, blanks inside of it included.
+fn name(line: &[u8], keyword: &[u8]) -> String {
+    let rest = line.trim_ascii_start().get(keyword.len()..);
+    String::from_utf8_lossy(rest.unwrap_or_default().trim_ascii()).into_owned()
 }
 
 /// Reads up to three numbers, of which `required` must be there; the others are 0 if missing.

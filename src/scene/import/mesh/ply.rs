@@ -6,16 +6,18 @@
 //!
 //! Every count is checked against the bytes that are left before memory is set aside for it.
 
+mod attributes;
 mod body;
 mod header;
 
 use std::path::Path;
 
+use attributes::Columns;
 use body::Body;
 use header::{Element, Header, Kind};
 
 use super::{ImportedMesh, MeshError, MeshProblem, Place, read_with};
-use crate::shape::mesh::MeshData;
+use crate::shape::mesh::{AttributeDomain, MeshData};
 
 /// Reads a PLY file; see [`parse`].
 ///
@@ -31,7 +33,8 @@ pub fn read(file: &Path, flip_tex_coords: bool) -> Result<ImportedMesh, MeshErro
 ///
 /// Understood are the vertex properties `x y z`, `nx ny nz` and one of the pairs `u v`, `s t`,
 /// `texture_u texture_v`, `texture_s texture_t`; of faces and strips the list `vertex_indices`
-/// or `vertex_index`.
+/// or `vertex_index`. Other numbers of vertices and faces become attributes, named as Mitsuba 3 does:
+/// `r g b` or `red green blue` are `vertex_color` (or `face_color`), `heat_1` is `vertex_heat`.
 ///
 /// # Errors
 /// All of [`MeshProblem`] but `Io` and `NoSuchShape`, with the line (header, text) or the byte
@@ -41,17 +44,31 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
     let vertex_count = header.vertex_count()?;
     let mut body = Body::new(bytes, &header);
     let mut mesh = MeshData::default();
+    let mut warnings = Vec::new();
     let mut faces = Faces {
         vertex_count,
         triangles: Vec::new(),
         short: 0,
     };
+    let mut of_faces = Columns::default();
     for element in &header.elements {
         body.check_claim(element)?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, &mut mesh)?,
-            "face" => read_lists(&mut body, element, |body, count| faces.polygon(body, count))?,
-            "tristrips" => read_lists(&mut body, element, |body, count| faces.strip(body, count))?,
+            "vertex" => read_vertices(&mut body, element, &mut mesh, &mut warnings)?,
+            "face" => {
+                of_faces = Columns::of(element, AttributeDomain::Face, |_| false, &mut warnings);
+                read_lists(
+                    &mut body,
+                    element,
+                    &mut of_faces,
+                    &mut faces,
+                    Faces::polygon,
+                )?;
+            }
+            "tristrips" => {
+                let nothing = &mut Columns::default();
+                read_lists(&mut body, element, nothing, &mut faces, Faces::strip)?;
+            }
             _ => body.skip_element(element)?,
         }
     }
@@ -61,7 +78,6 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
             .flatten()
             .for_each(|[_, v]| *v = 1.0 - *v);
     }
-    let mut warnings = Vec::new();
     if faces.short > 0 {
         warnings.push(format!(
             "faces of less than 3 corners, ignored: {}",
@@ -73,6 +89,14 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
         warnings.push(format!("bytes after the last element, ignored: {trailing}"));
     }
     mesh.indices = faces.triangles;
+    for attribute in of_faces.attributes {
+        // Triangles of strips have none.
+        if attribute.values.len() == mesh.indices.len() {
+            mesh.attributes.push(attribute);
+        } else {
+            warnings.push(format!("not all faces have {}; ignored", attribute.name));
+        }
+    }
     ImportedMesh::finish(mesh, warnings)
 }
 
@@ -95,15 +119,19 @@ fn read_vertices<'a>(
     body: &mut Body<'a>,
     element: &'a Element,
     mesh: &mut MeshData,
+    warnings: &mut Vec<String>,
 ) -> Result<(), MeshProblem> {
+    let slot = |name: &str| vertex_slot(name);
     let columns: Vec<_> = element
         .properties
         .iter()
         .map(|property| match property.kind {
-            Kind::Scalar(_) => (property.kind, vertex_slot(&property.name)),
+            Kind::Scalar(_) => (property.kind, slot(&property.name)),
             Kind::List { .. } => (property.kind, None),
         })
         .collect();
+    let is_known = |name: &str| slot(name).is_some();
+    let mut others = Columns::of(element, AttributeDomain::Vertex, is_known, warnings);
     let has = |slot| columns.iter().any(|column| column.1 == Some(slot));
     let (has_normals, has_uvs) = ((3..6).all(has), (6..8).all(has));
     if !(0..3).all(has) {
@@ -118,12 +146,13 @@ fn read_vertices<'a>(
     for row in 0..element.count {
         body.start_row(&element.name, row);
         let mut values = [0_f32; 8];
-        for &(kind, slot) in &columns {
+        for (index, &(kind, slot)) in columns.iter().enumerate() {
             match (kind, slot) {
                 (Kind::Scalar(scalar), Some(slot)) => values[slot] = body.scalar(scalar)? as f32,
-                _ => body.skip(kind)?,
+                _ => others.read(body, index, kind)?,
             }
         }
+        others.push(1);
         let [x, y, z, nx, ny, nz, u, v] = values;
         if ![x, y, z].iter().all(|c| c.is_finite()) {
             return Err(body.not_finite("a vertex coordinate"));
@@ -143,15 +172,20 @@ fn read_vertices<'a>(
     mesh.positions = positions;
     mesh.normals = has_normals.then_some(normals);
     mesh.uvs = has_uvs.then_some(uvs);
+    mesh.attributes = others.attributes;
     Ok(())
 }
 
-/// Reads the rows of an element of faces and calls `on_list` where a list of indices begins,
-/// with the function that reads the next index and the length of the list.
+/// Reads the rows of an element of faces.
+///
+/// - `others`: takes what a row holds beside its list.
+/// - `on_list`: reads a list of indices of the given length.
 fn read_lists<'a>(
     body: &mut Body<'a>,
     element: &'a Element,
-    mut on_list: impl FnMut(&mut ListReader<'_, 'a>, usize) -> Result<(), MeshProblem>,
+    others: &mut Columns,
+    faces: &mut Faces,
+    on_list: fn(&mut Faces, &mut ListReader<'_, 'a>, usize) -> Result<(), MeshProblem>,
 ) -> Result<(), MeshProblem> {
     let is_indices = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let indices = element.properties.iter().position(|property| {
@@ -165,15 +199,17 @@ fn read_lists<'a>(
     };
     for row in 0..element.count {
         body.start_row(&element.name, row);
+        let before = faces.triangles.len();
         for (column, property) in element.properties.iter().enumerate() {
             match property.kind {
                 Kind::List { count, item } if column == indices => {
                     let length = body.list_length(count, item)?;
-                    on_list(&mut ListReader { body, item }, length)?;
+                    on_list(faces, &mut ListReader { body, item }, length)?;
                 }
-                kind => body.skip(kind)?,
+                kind => others.read(body, column, kind)?,
             }
         }
+        others.push(faces.triangles.len() - before);
     }
     Ok(())
 }

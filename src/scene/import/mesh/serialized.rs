@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use inflate::Inflated;
 
 use super::{ImportedMesh, MeshError, MeshProblem, Place, read_with};
-use crate::shape::mesh::{MeshData, MeshFlaw};
+use crate::shape::mesh::{AttributeDomain, MeshAttribute, MeshData, MeshFlaw};
 
 /// How many times its compressed size a shape may have. Shapes up to 16 MiB are always read.
 pub const MAX_INFLATION: u64 = 64;
@@ -246,8 +246,13 @@ fn read_shape(stream: &mut Inflated<'_>, version: u16) -> Result<ImportedMesh, M
         true => Some(stream.vectors(vertex_count, is_double, Some("a texture coordinate"))?),
         false => None,
     };
+    let mut attributes = Vec::new();
     if has(HAS_COLOURS) {
-        stream.vectors::<3>(vertex_count, is_double, None)?;
+        attributes.push(MeshAttribute {
+            name: "vertex_color".to_owned(),
+            domain: AttributeDomain::Vertex,
+            values: stream.vectors(vertex_count, is_double, Some("a colour"))?,
+        });
     }
     let indices = stream.triangles(triangle_count, vertex_count)?;
     let mut warnings = Vec::new();
@@ -259,6 +264,7 @@ fn read_shape(stream: &mut Inflated<'_>, version: u16) -> Result<ImportedMesh, M
         indices,
         normals,
         uvs,
+        attributes,
     };
     let mesh = ImportedMesh::finish(data, warnings)?;
     Ok(ImportedMesh {
