@@ -129,11 +129,12 @@ fn chains_of_every_mutation_allocate_nothing() {
 
 /// Number of allocations in a unit of work, and of mutations.
 fn allocations((scene, view): &(Scene, View), text: &str) -> (u64, u64) {
+    let (name, text) = text.split_once(' ').unwrap_or((text, ""));
     let words = text.split(' ').filter_map(|word| word.split_once('='));
     let options: Options = words
         .map(|(key, value)| (key.to_owned(), OptionValue::parse(value)))
         .collect();
-    let algorithm = integrator::from_options("erpt", &mut OptionReader::new(&options));
+    let algorithm = integrator::from_options(name, &mut OptionReader::new(&options));
     let algorithm = algorithm.expect("the options are right");
     let settings = PixelSettings {
         seed: 3,
@@ -172,18 +173,25 @@ fn allocations((scene, view): &(Scene, View), text: &str) -> (u64, u64) {
 fn more_mutations_need_no_more_allocations() {
     let scene = load("cornell-caustic");
     for (few, many) in [
-        ("mutations_per_sample=1", "mutations_per_sample=200"),
         (
-            "mutations_per_sample=1 expected_values=false",
-            "mutations_per_sample=200",
+            "erpt mutations_per_sample=1",
+            "erpt mutations_per_sample=200",
         ),
         (
-            "flow=detailed chain_length=1",
-            "flow=detailed chain_length=50",
+            "erpt mutations_per_sample=1 expected_values=false",
+            "erpt mutations_per_sample=200",
         ),
         (
-            "flow=iterated flow_depth=1 mutations_per_sample=1",
-            "flow=iterated flow_depth=8 mutations_per_sample=20",
+            "erpt flow=detailed chain_length=1",
+            "erpt flow=detailed chain_length=50",
+        ),
+        (
+            "erpt flow=iterated flow_depth=1 mutations_per_sample=1",
+            "erpt flow=iterated flow_depth=8 mutations_per_sample=20",
+        ),
+        (
+            "pssmlt chains=4 mutations_per_pixel=1 luminance_samples=500",
+            "pssmlt chains=4 mutations_per_pixel=30 luminance_samples=500",
         ),
     ] {
         let (few_allocations, few_mutations) = allocations(&scene, few);

@@ -133,8 +133,8 @@ pub(super) struct RenderArgs {
     pub(super) filter: Option<FilterName>,
 
     /// Further layers of the EXR file, with commas between: albedo, sh_normal, geo_normal, depth,
-    /// position, uv; variance (of the pixels' means); proposals, acceptance, chains (of erpt and
-    /// pmc-er); strategy, mutations, population_age (of pmc-er)
+    /// position, uv; variance (of the pixels' means); proposals, acceptance, chains (of erpt,
+    /// pmc-er and pssmlt); strategy, mutations, population_age (of pmc-er)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) aov: Vec<String>,
 

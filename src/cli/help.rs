@@ -143,7 +143,29 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "luminance_samples",
-        "camera samples to estimate deposition_energy from; 0 takes four a pixel (Mitsuba: luminanceSamples)",
+        "camera samples to estimate deposition_energy from (erpt, pmc-er; 0: four a pixel), or to draw a pass's seeds from (0: one a pixel) (Mitsuba: luminanceSamples)",
+    ),
+    ("mutations_per_pixel", "mutations for each pixel in a pass"),
+    (
+        "chains",
+        "chains of a pass; 0 makes each about a thousand mutations long",
+    ),
+    (
+        "p_large",
+        "chance of a large step, which takes fresh numbers (Mitsuba: pLarge)",
+    ),
+    (
+        "step_smallest",
+        "smallest distance of a number's small step",
+    ),
+    ("step_largest", "largest distance of a number's small step"),
+    (
+        "target",
+        "importance of a state: light of the whole camera sample, or of one path of it",
+    ),
+    (
+        "deposits",
+        "expected values alone, or weighed against large steps as samples of their own",
     ),
     (
         "max_chains",
@@ -171,7 +193,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "direct_samples",
-        "further samples a pixel and pass for the layer direct (Mitsuba: directSamples; -1: no such layer)",
+        "samples a pixel and pass for the layer direct; erpt, pmc-er: beside the seeds' own (Mitsuba: directSamples; -1: no such layer)",
     ),
     (
         "mutation_choice",

@@ -8,7 +8,7 @@ use super::outputs::Target;
 use super::plan::Plan;
 use crate::image::Image;
 use crate::integrator::Rendered;
-use crate::mutation::{Mutation, Rejection};
+use crate::mutation::{Move, Rejection};
 use crate::output::{Record, Run};
 use crate::report::option_value;
 use crate::scene::import::{Imported, View};
@@ -136,7 +136,7 @@ impl Summary<'_> {
 
 /// What became of the mutations, by kind.
 fn mutations(record: &Record) -> Value {
-    let kinds = Mutation::ALL.iter().zip(&record.mutations);
+    let kinds = Move::all().zip(&record.mutations);
     let tried = kinds.filter(|(_, statistics)| statistics.proposed > 0);
     let entries = tried.map(|(mutation, statistics)| {
         let reasons = Rejection::NAMES

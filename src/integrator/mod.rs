@@ -9,9 +9,11 @@ mod chains;
 mod depth;
 mod direct;
 mod erpt;
+mod metropolis;
 mod path;
 mod pixel;
 mod pmc_er;
+mod pssmlt;
 mod render;
 mod wave;
 
@@ -22,6 +24,7 @@ pub use erpt::Erpt;
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
 pub use pmc_er::PmcEr;
+pub use pssmlt::Pssmlt;
 pub use render::{Counters, Driver, Integrator, Progress, Rendered, Step, render};
 
 use crate::path::Heuristic;
@@ -51,12 +54,16 @@ pub trait Algorithm: Send + Sync {
 }
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
-pub const NAMES: [(&str, &str); 5] = [
+pub const NAMES: [(&str, &str); 6] = [
     ("path", "path tracing with multiple importance sampling"),
     ("direct", "direct light only"),
     ("depth", "distance to the first surface"),
     ("erpt", "energy redistribution path tracing"),
     ("pmc-er", "population Monte Carlo energy redistribution"),
+    (
+        "pssmlt",
+        "Metropolis light transport in primary sample space",
+    ),
 ];
 
 /// Other names of integrators.
@@ -83,6 +90,7 @@ pub fn from_options(
     match name {
         "erpt" => Ok(Box::new(Erpt::from_options(options)?)),
         "pmc-er" => Ok(Box::new(PmcEr::from_options(options)?)),
+        "pssmlt" => Ok(Box::new(Pssmlt::from_options(options)?)),
         _ => Ok(Box::new(pixel_integrator(name, options)?)),
     }
 }

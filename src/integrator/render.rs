@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use crate::film::{Accumulator, Layer, PassBuffer, Unit, Window};
-use crate::mutation::{Mutation, MutationStatistics};
+use crate::mutation::MoveStatistics;
 
 /// What an algorithm is to the driver: layers, and units of work that fill them.
 pub trait Integrator: Sync {
@@ -60,8 +60,8 @@ pub struct Counters {
     pub rejected: u64,
     /// Markov chains run.
     pub chains: u64,
-    /// What became of the chains' mutations, one entry for each of [`Mutation::ALL`].
-    pub mutations: [MutationStatistics; Mutation::COUNT],
+    /// What became of the chains' mutations.
+    pub mutations: MoveStatistics,
 }
 
 impl Counters {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Choose, Fault, Mutate, Mutation, MutationStatistics, Perturbation};
+use super::{Choose, Fault, MoveStatistics, Mutate, Mutation, Perturbation};
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
@@ -33,7 +33,7 @@ pub struct Chain {
     /// Where the last mutation tried to go on the image.
     tried: Option<Vec2>,
     /// What became of the mutations so far.
-    pub statistics: [MutationStatistics; Mutation::COUNT],
+    pub statistics: MoveStatistics,
 }
 
 impl Chain {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::image::AttributeValue;
-use crate::mutation::{Mutation, MutationStatistics, Rejection};
+use crate::mutation::{Move, MoveStatistics, MutationStatistics, Rejection};
 
 /// Beginning of the names of the attributes that differ between two runs of the same render: times
 /// and threads. All others are the same bytes for any number of threads.
@@ -38,8 +38,8 @@ pub struct Record {
     pub rejected: u64,
     /// Markov chains run.
     pub chains: u64,
-    /// What became of the chains' mutations, one entry for each of [`Mutation::ALL`].
-    pub mutations: [MutationStatistics; Mutation::COUNT],
+    /// What became of the chains' mutations.
+    pub mutations: MoveStatistics,
     /// What stands in for something that the scene asks for.
     pub replaced: Vec<String>,
     /// What differs between runs.
@@ -69,17 +69,17 @@ impl Record {
 
     /// What became of the mutations that were tried, a line for each kind.
     pub fn mutations_text(&self) -> String {
-        let tried = Mutation::ALL.iter().zip(&self.mutations);
+        let tried = Move::all().zip(&self.mutations);
         let lines: Vec<String> = tried
             .filter(|(_, statistics)| statistics.proposed > 0)
-            .map(|(mutation, statistics)| mutation_line(*mutation, statistics))
+            .map(|(mutation, statistics)| mutation_line(mutation, statistics))
             .collect();
         lines.join("\n")
     }
 }
 
 /// Numbers of one kind of mutation, reasons of rejections as shares of all that were tried.
-fn mutation_line(mutation: Mutation, statistics: &MutationStatistics) -> String {
+fn mutation_line(mutation: Move, statistics: &MutationStatistics) -> String {
     let proposed = statistics.proposed as f64;
     let mut line = format!(
         "{}: {} proposed, {} accepted, mean acceptance {:.4}",

@@ -5,7 +5,7 @@ use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, Transport};
 use crate::emitter::{EmitterClass, EmitterModel, EmitterSample};
 use crate::math::{Rgb, Vec2, Vec3};
-use crate::random::Sampler;
+use crate::random::Numbers;
 use crate::scene::{EmitterId, Interaction};
 use crate::sensor::{CameraRay, SensorModel};
 
@@ -27,6 +27,8 @@ pub struct Found<'p> {
     pub path: Option<&'p Path>,
     /// Its number of edges.
     pub edges: u32,
+    /// Whether its light was sampled, and not met by chance.
+    pub is_explicit: bool,
     /// `w · f / p`: weight of its technique, measurement contribution and density.
     pub energy: Rgb,
 }
@@ -68,7 +70,7 @@ impl PathTracing {
         space: &PathSpace<'_>,
         path: &mut Path,
         (raster, camera_ray): (Vec2, &CameraRay),
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
         found: &mut impl FnMut(Found<'_>),
     ) -> f32 {
         let mut ray = camera_ray.to_ray();
@@ -95,6 +97,7 @@ impl PathTracing {
                 alpha = 1.0;
                 break;
             }
+            sampler.begin_vertex(depth);
             if met.lobes.finite {
                 self.connect(space, path, &walk, &met, sampler, found);
             }
@@ -116,13 +119,14 @@ impl PathTracing {
         &self,
         path: &mut Path,
         walk: &Walk,
-        (last, energy): (PathVertex, Rgb),
+        (last, energy, is_explicit): (PathVertex, Rgb, bool),
         found: &mut impl FnMut(Found<'_>),
     ) {
         let fits = walk.fits && path.push(last);
         found(Found {
             path: fits.then_some(&*path),
             edges: walk.depth,
+            is_explicit,
             energy,
         });
         if fits {
@@ -154,7 +158,7 @@ impl PathTracing {
         });
         let last = PathVertex::environment(toward, radiance, id);
         let energy = walk.throughput * radiance * weight;
-        self.complete(path, walk, (last, energy), found);
+        self.complete(path, walk, (last, energy, false), found);
     }
 
     /// Completes a path that has met an emitting surface.
@@ -184,7 +188,7 @@ impl PathTracing {
         if walk.fits {
             path.pop();
         }
-        self.complete(path, walk, (last, energy), found);
+        self.complete(path, walk, (last, energy, false), found);
         if walk.fits {
             path.push(PathVertex::surface(met, Event::Finite));
         }
@@ -197,7 +201,7 @@ impl PathTracing {
         path: &mut Path,
         walk: &Walk,
         met: &Interaction<'_>,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
         found: &mut impl FnMut(Found<'_>),
     ) {
         let lights = space.scene.lights();
@@ -232,7 +236,7 @@ impl PathTracing {
             depth: walk.depth + 1,
             ..*walk
         };
-        self.complete(path, &walk, (last, energy), found);
+        self.complete(path, &walk, (last, energy, true), found);
     }
 
     /// Samples the next direction, and whether it goes straight through; `None` ends the path.
@@ -242,7 +246,7 @@ impl PathTracing {
         path: &mut Path,
         walk: &mut Walk,
         met: &Interaction<'_>,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
     ) -> (Option<Ray>, bool) {
         let u_lobe = if met.lobes.single {
             0.0
@@ -274,7 +278,7 @@ impl PathTracing {
     }
 
     /// Russian roulette: ends weak paths, and strengthens those that go on; false ends the path.
-    fn survives(&self, walk: &mut Walk, sampler: &mut Sampler) -> bool {
+    fn survives(&self, walk: &mut Walk, sampler: &mut impl Numbers) -> bool {
         if walk.depth < self.rr_depth {
             return true;
         }
@@ -326,6 +330,6 @@ fn set_event(path: &mut Path, event: Event, value: Rgb, adjoint: f32) {
 /// One camera sample: a raster position and a ray through the lens.
 ///
 /// - `sampler`: the numbers of the sample; the raster position's are taken already.
-pub fn camera_sample(space: &PathSpace<'_>, raster: Vec2, sampler: &mut Sampler) -> CameraRay {
+pub fn camera_sample(space: &PathSpace<'_>, raster: Vec2, sampler: &mut impl Numbers) -> CameraRay {
     space.sensor.sample_ray(raster, sampler.next_2d())
 }

@@ -24,6 +24,10 @@ pub enum Purpose {
     Birth = 8,
     /// Which members of a population survive.
     Elimination = 9,
+    /// Samples from which the seeds of Metropolis sampling are drawn.
+    Bootstrap = 16,
+    /// Which of them become seeds.
+    Resampling = 17,
 }
 
 /// A stream of uniform numbers at one address.

@@ -49,6 +49,36 @@ pub struct PixelAddress {
     pub sample: u32,
 }
 
+/// Uniform numbers that a sample is made of, handed out in the order of the asking.
+pub trait Numbers {
+    /// The next number, uniform in `[0, 1)`.
+    fn next_1d(&mut self) -> f32;
+
+    /// The next pair of numbers, uniform in the unit square.
+    fn next_2d(&mut self) -> Vec2;
+
+    /// Tells that what is asked for from now on belongs to a vertex of a path: numbers that are kept
+    /// then keep their meaning where the vertex before has used more or fewer of them.
+    ///
+    /// - `index`: of the vertex, from 1.
+    #[inline]
+    fn begin_vertex(&mut self, index: u32) {
+        let _ = index;
+    }
+}
+
+impl Numbers for Sampler {
+    #[inline]
+    fn next_1d(&mut self) -> f32 {
+        Sampler::next_1d(self)
+    }
+
+    #[inline]
+    fn next_2d(&mut self) -> Vec2 {
+        Sampler::next_2d(self)
+    }
+}
+
 /// Hands out the uniform numbers of one sample of one pixel, in the order of the asking.
 ///
 /// Low-discrepancy kinds serve the first [`Sampler::SPREAD_DIMENSIONS`] numbers; later ones, deep in

@@ -20,7 +20,7 @@ use crate::cli::summary::Summary;
 use crate::cli::version;
 use crate::image::{ExrOptions, Image, Precision, write_png};
 use crate::math::Rgb;
-use crate::mutation::Mutation;
+use crate::mutation::Move;
 use crate::output::{LayerChoice, SaveOptions, metadata, picture, save};
 use crate::report::{Errors, Missed, Pixels, Trial, Work};
 use crate::scene::import::{Imported, View};
@@ -329,7 +329,7 @@ fn statistics(finished: &Finished) -> Vec<(String, f64)> {
         statistics.push(("Mmutations/CPU s".to_owned(), mutations));
         statistics.push(("acceptance".to_owned(), counters.mean_acceptance()));
     }
-    let kinds = Mutation::ALL.iter().zip(&counters.mutations);
+    let kinds = Move::all().zip(&counters.mutations);
     let tried = kinds.filter(|(_, kind)| kind.proposed > 0);
     statistics.extend(tried.map(|(mutation, kind)| {
         let name = format!("acceptance of {}", mutation.name());

@@ -12,11 +12,11 @@ use crate::sensor::Sensor;
 
 /// Means over camera samples all over the film, zeros included, as luminance.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct MeanEnergy {
+pub(in crate::integrator) struct MeanEnergy {
     /// Of all paths.
-    pub(super) image: f64,
+    pub(in crate::integrator) image: f64,
     /// Of the paths whose energy goes to chains.
-    pub(super) chains: f64,
+    pub(in crate::integrator) chains: f64,
 }
 
 /// Samples a pixel, where no number is given.

@@ -11,19 +11,21 @@ use crate::mutation::RasterDomain;
 use crate::path::{Found, Path, PathSpace, PathTracing};
 use crate::random::{Purpose, SamplerKind};
 use crate::scene::Scene;
-use crate::sensor::{Sensor, SensorModel};
+use crate::sensor::{CameraRay, Sensor, SensorModel};
 
 /// Everything of a render that does not depend on how chains run.
 pub(in crate::integrator) struct ChainFilm<'s> {
     scene: &'s Scene,
     pub(in crate::integrator) sensor: &'s Sensor,
-    seeds: &'s SeedOptions,
+    pub(in crate::integrator) seeds: &'s SeedOptions,
     pub(in crate::integrator) settings: PixelSettings,
     pub(in crate::integrator) sampled: SampledWindow,
     /// Where paths are seen.
     pub(in crate::integrator) domain: RasterDomain,
     /// The part of it where paths are moved: without positions that are second names of directions.
     pub(in crate::integrator) moves: RasterDomain,
+    /// The estimate that fixes the energy of a deposit.
+    pub(in crate::integrator) mean: MeanEnergy,
     /// Energy of a deposit, as luminance.
     pub(in crate::integrator) deposit: f64,
     pub(in crate::integrator) places: Places,
@@ -48,7 +50,7 @@ impl Landing<'_> {
     ///
     /// - `energy`: as luminance; the second number goes to the filtered layer.
     #[inline]
-    pub(super) fn land(&self, raster: Vec2, colour: Rgb, energy: (f64, f64)) {
+    pub(in crate::integrator) fn land(&self, raster: Vec2, colour: Rgb, energy: (f64, f64)) {
         if energy.0 > 0.0 {
             let value = (colour * energy.0 as f32).to_array();
             self.redistributed.add(self.filter, raster, value);
@@ -66,12 +68,12 @@ impl Landing<'_> {
 
     /// True when proposals are counted.
     #[inline]
-    pub(super) fn counts_proposals(&self) -> bool {
+    pub(in crate::integrator) fn counts_proposals(&self) -> bool {
         self.proposals.is_some() || self.acceptance.is_some()
     }
 
     /// Counts a proposal.
-    pub(super) fn count_proposal(&self, raster: Vec2, acceptance: f64) {
+    pub(in crate::integrator) fn count_proposal(&self, raster: Vec2, acceptance: f64) {
         let pixel = Filter::pixel_box();
         if let Some(proposals) = self.proposals {
             proposals.add(&pixel, raster, [1.0]);
@@ -111,6 +113,7 @@ impl<'s> ChainFilm<'s> {
             }),
             deposit: seeds.deposit(&mean),
             unit: Unit::for_magnitude(mean.image),
+            mean,
             places,
             layers,
             settings,
@@ -175,13 +178,23 @@ impl<'s> ChainFilm<'s> {
         if settings.alpha {
             layers[0].add(&settings.filter, raster, [0.0, 0.0, 0.0, alpha]);
         }
-        if !settings.aovs.is_empty() {
-            let first = space.meet(sample.ray.to_ray(), false);
-            let aovs = &layers[self.places.first_aov..];
-            aov::add_all(settings, first.as_ref(), raster, aovs);
-        }
-        self.sample_direct(pixel, pass, (space, path), layers);
+        self.add_aovs((raster, &sample.ray), space, layers);
+        self.sample_direct(pixel, pass, (space, path), layers, self.direct_weight());
         raster
+    }
+
+    /// Describes the first surface of a camera sample.
+    fn add_aovs(
+        &self,
+        (raster, ray): (Vec2, &CameraRay),
+        space: &PathSpace<'_>,
+        layers: &[PassBuffer],
+    ) {
+        if !self.settings.aovs.is_empty() {
+            let first = space.meet(ray.to_ray(), false);
+            let aovs = &layers[self.places.first_aov..];
+            aov::add_all(&self.settings, first.as_ref(), raster, aovs);
+        }
     }
 
     /// Weight of each of a pixel's samples of direct light in a pass: its own camera sample and the
@@ -190,15 +203,48 @@ impl<'s> ChainFilm<'s> {
         1.0 / (self.seeds.direct_samples.unwrap_or(0) + 1) as f32
     }
 
+    /// Whether pixels need camera samples where seeds do not come from them.
+    pub(in crate::integrator) fn needs_pixels(&self) -> bool {
+        self.places.direct.is_some() || self.settings.alpha || !self.settings.aovs.is_empty()
+    }
+
+    /// Makes what chains do not make, where seeds do not come from pixels: direct light, coverage, and what
+    /// describes the first surface.
+    pub(in crate::integrator) fn sample_apart(
+        &self,
+        pixel: (i32, i32),
+        pass: u32,
+        (space, path): (&PathSpace<'_>, &mut Path),
+        layers: &[PassBuffer],
+    ) {
+        let settings = &self.settings;
+        if settings.alpha || !settings.aovs.is_empty() {
+            let mut sample =
+                CameraSample::of_pixel(self.sensor, settings, pixel, Purpose::Pixel, pass);
+            let camera = (sample.raster, &sample.ray);
+            if settings.alpha {
+                let tracing = &self.seeds.tracing;
+                let alpha = tracing.trace(space, path, camera, &mut sample.sampler, &mut |_| ());
+                layers[0].add(&settings.filter, sample.raster, [0.0, 0.0, 0.0, alpha]);
+            }
+            self.add_aovs(camera, space, layers);
+        }
+        let samples = self.seeds.direct_samples.unwrap_or(0).max(1);
+        self.sample_direct(pixel, pass, (space, path), layers, 1.0 / samples as f32);
+    }
+
     /// Estimates the light of at most two edges in a pixel by further camera samples.
     ///
     /// The further samples of one pass are spread against each other, and passes are independent.
+    ///
+    /// - `weight`: of each sample.
     fn sample_direct(
         &self,
         pixel: (i32, i32),
         pass: u32,
         (space, path): (&PathSpace<'_>, &mut Path),
         layers: &[PassBuffer],
+        weight: f32,
     ) {
         let (Some(samples), Some(place)) = (self.seeds.direct_samples, self.places.direct) else {
             return;
@@ -226,7 +272,7 @@ impl<'s> ChainFilm<'s> {
             let camera = (sample.raster, &sample.ray);
             let mut add = |found: Found<'_>| sum += found.energy;
             tracing.trace(space, path, camera, &mut sample.sampler, &mut add);
-            let value = (sum * self.direct_weight()).to_array();
+            let value = (sum * weight).to_array();
             layers[place].add(&settings.filter, sample.raster, value);
         }
     }

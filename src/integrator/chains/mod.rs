@@ -9,7 +9,7 @@ mod noise_filter;
 mod options;
 mod walker;
 
-pub(super) use film::ChainFilm;
+pub(super) use film::{ChainFilm, Landing};
 pub(super) use layers::Places;
 pub(super) use mutations::{MutationOptions, angle_kernel, angle_of_pixel, lens_aperture};
 pub(super) use options::SeedOptions;

@@ -29,6 +29,13 @@ pub(super) struct NoiseFilter {
 }
 
 impl NoiseFilter {
+    /// No filter.
+    pub(super) const OFF: Self = Self {
+        expected: None,
+        size: 1,
+        consecutive: 0,
+    };
+
     /// Reads the options.
     ///
     /// # Errors

@@ -35,15 +35,8 @@ impl SeedOptions {
         options: &mut OptionReader<'_>,
         mutations_per_sample: f64,
     ) -> Result<Self, OptionError> {
-        let tracing = PathTracing {
-            max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
-            rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
-            heuristic: crate::integrator::heuristic(options)?,
-        };
-        let rules = PathRules {
-            hide_emitters: options.boolean("hide_emitters", false)?,
-            strict_normals: options.boolean("strict_normals", false)?,
-        };
+        let tracing = tracing(options)?;
+        let rules = rules(options)?;
         let mutations_per_sample =
             options.float("mutations_per_sample", 1e-6..=1e9, mutations_per_sample)?;
         let deposition_energy = options.float("deposition_energy", 0.0..=f64::INFINITY, 0.0)?;
@@ -59,6 +52,34 @@ impl SeedOptions {
         })
     }
 
+    /// Reads what Metropolis sampling needs of the options: there, the energy of a deposit is no choice, and
+    /// nothing comes from the pixels' own camera samples.
+    ///
+    /// - `with_filter`: whether the chains know the noise filters.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub(in crate::integrator) fn of_metropolis(
+        options: &mut OptionReader<'_>,
+        with_filter: bool,
+    ) -> Result<Self, OptionError> {
+        let is_separate = options.boolean("separate_direct", true)?;
+        let direct = options.integer("direct_samples", -1..=1 << 16, 1)?;
+        Ok(Self {
+            tracing: tracing(options)?,
+            rules: rules(options)?,
+            mutations_per_sample: 1.0,
+            deposition_energy: None,
+            luminance_samples: None,
+            direct_samples: (is_separate && direct >= 0).then_some(direct.max(1) as u32),
+            noise_filter: if with_filter {
+                NoiseFilter::from_options(options)?
+            } else {
+                NoiseFilter::OFF
+            },
+        })
+    }
+
     /// Energy of a deposit.
     pub(super) fn deposit(&self, mean: &super::energy::MeanEnergy) -> f64 {
         self.deposition_energy
@@ -68,9 +89,26 @@ impl SeedOptions {
     /// Whether the energy of paths of so many edges goes to chains.
     ///
     /// Both classes are closed under all mutations, so that nothing leaks.
-    pub(super) fn goes_to_chains(&self, edges: u32) -> bool {
+    pub(in crate::integrator) fn goes_to_chains(&self, edges: u32) -> bool {
         self.direct_samples.is_none() || edges > 2
     }
+}
+
+/// Reads how paths are traced.
+fn tracing(options: &mut OptionReader<'_>) -> Result<PathTracing, OptionError> {
+    Ok(PathTracing {
+        max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
+        rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
+        heuristic: crate::integrator::heuristic(options)?,
+    })
+}
+
+/// Reads what paths are.
+fn rules(options: &mut OptionReader<'_>) -> Result<PathRules, OptionError> {
+    Ok(PathRules {
+        hide_emitters: options.boolean("hide_emitters", false)?,
+        strict_normals: options.boolean("strict_normals", false)?,
+    })
 }
 
 /// Reads whether direct light is estimated apart, and with how many samples.

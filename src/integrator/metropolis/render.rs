@@ -1,0 +1,198 @@
+//! The passes of Metropolis sampling.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use super::MetropolisOptions;
+use super::bootstrap::{BLOCK, Bootstrap, Cells, Seed, block};
+use super::options::Work;
+use crate::film::{Layer, PassBuffer, Unit, Window};
+use crate::integrator::chains::{ChainFilm, SeedOptions};
+use crate::integrator::pixel::PixelSettings;
+use crate::integrator::render::{Counters, Driver, Integrator};
+use crate::path::Path;
+use crate::random::{Purpose, SamplerKind, Stream};
+use crate::scene::Scene;
+use crate::sensor::Sensor;
+
+/// A pass, for those who make its samples and chains.
+#[derive(Clone, Copy)]
+pub(in crate::integrator) struct ChainPlan<'a> {
+    pub(in crate::integrator) film: &'a ChainFilm<'a>,
+    /// Number of the pass.
+    pub(in crate::integrator) pass: u32,
+    /// Where the bootstrap samples are.
+    pub(in crate::integrator) cells: Cells,
+    /// Number of chains.
+    pub(in crate::integrator) chains: u32,
+    /// Mutations of a chain.
+    pub(in crate::integrator) length: u32,
+    /// Energy of a mutation's deposit, as luminance.
+    pub(in crate::integrator) deposit: f64,
+    /// Where energy lands.
+    pub(in crate::integrator) layers: &'a [PassBuffer],
+}
+
+impl ChainPlan<'_> {
+    /// The numbers that a bootstrap sample is made of.
+    pub(in crate::integrator) fn bootstrap_numbers(&self, sample: u32) -> Stream {
+        let seed = self.film.settings.seed;
+        Stream::new(seed, Purpose::Bootstrap, sample, self.pass)
+    }
+
+    /// The numbers of a chain.
+    pub(in crate::integrator) fn chain_numbers(&self, chain: u32) -> Stream {
+        Stream::new(self.film.settings.seed, Purpose::Chain, chain, self.pass)
+    }
+
+    /// Number of pixels that paths are seen at.
+    pub(in crate::integrator) fn pixels(&self) -> f64 {
+        let domain = &self.film.domain;
+        let size = domain.high - domain.low;
+        f64::from(size.x) * f64::from(size.y)
+    }
+}
+
+/// What chains walk over.
+pub(in crate::integrator) trait Sampling: Sync {
+    /// Makes samples of the bootstrap set, and returns their luminances; zero for what is not finite.
+    fn bootstrap(&self, plan: &ChainPlan<'_>, samples: Range<u32>) -> (Vec<f64>, Counters);
+
+    /// Runs a chain.
+    ///
+    /// - `index`: its number.
+    fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters;
+}
+
+/// A render by Metropolis sampling.
+pub(in crate::integrator) struct MetropolisRender<'s, S> {
+    film: ChainFilm<'s>,
+    work: Work,
+    cells: Cells,
+    sampling: S,
+}
+
+impl<'s, S: Sampling> MetropolisRender<'s, S> {
+    /// Prepares a render: makes the estimate that fixes the film's unit.
+    ///
+    /// - `sampling`: of a film.
+    pub(in crate::integrator) fn new(
+        (scene, sensor): (&'s Scene, &'s Sensor),
+        seeds: &'s SeedOptions,
+        options: &MetropolisOptions,
+        settings: PixelSettings,
+        sampling: impl FnOnce(&ChainFilm<'s>) -> S,
+    ) -> Self {
+        // A pass is a replica: nothing is spread over several.
+        let settings = PixelSettings {
+            sampler: SamplerKind::Independent,
+            ..settings
+        };
+        let film = ChainFilm::new(scene, sensor, seeds, settings);
+        let size = film.domain.high - film.domain.low;
+        let work = options.work(f64::from(size.x) * f64::from(size.y));
+        Self {
+            cells: Cells::new(work.samples, size),
+            work,
+            sampling: sampling(&film),
+            film,
+        }
+    }
+
+    /// Units of work that fill what chains do not fill.
+    fn pixel_units(&self) -> u32 {
+        if self.film.needs_pixels() {
+            self.film.sampled.unit_count()
+        } else {
+            0
+        }
+    }
+
+    fn bootstrap_units(&self) -> u32 {
+        self.cells.count().div_ceil(BLOCK)
+    }
+
+    fn run_pixels(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
+        let space = self.film.space();
+        let mut path = Path::default();
+        let mut counters = Counters::default();
+        for pixel in self.film.sampled.pixels(unit) {
+            let workers = (&space, &mut path);
+            self.film.sample_apart(pixel, pass, workers, layers);
+            counters.paths += 1;
+        }
+        counters.rays = space.rays();
+        counters
+    }
+}
+
+impl<S: Sampling> Integrator for MetropolisRender<'_, S> {
+    fn layers(&self) -> Vec<Layer> {
+        self.film.layers.clone()
+    }
+
+    fn units(&self) -> Vec<Unit> {
+        self.film.units()
+    }
+
+    fn window(&self) -> Window {
+        self.film.settings.window
+    }
+
+    fn passes_per_replica(&self) -> u32 {
+        1
+    }
+
+    fn unit_count(&self) -> u32 {
+        self.pixel_units() + self.bootstrap_units() + self.work.chains
+    }
+
+    fn run_pass(&self, pass: u32, layers: &[PassBuffer], driver: &Driver<'_>) -> Option<Counters> {
+        let mut counters = driver.run_units(self.pixel_units(), |unit| {
+            self.run_pixels(pass, unit, layers)
+        })?;
+        let samples = self.cells.count();
+        let mut plan = ChainPlan {
+            film: &self.film,
+            pass,
+            cells: self.cells,
+            chains: self.work.chains,
+            length: self.work.length,
+            deposit: 0.0,
+            layers,
+        };
+        let blocks = vec![OnceLock::new(); self.bootstrap_units() as usize];
+        counters += driver.run_units(self.bootstrap_units(), |unit| {
+            let (luminances, counters) = self.sampling.bootstrap(&plan, block(unit, samples));
+            blocks[unit as usize].get_or_init(|| luminances);
+            counters
+        })?;
+        let blocks = blocks.into_iter().map(OnceLock::into_inner);
+        let bootstrap = Bootstrap::new(blocks.map(Option::unwrap_or_default));
+        let mutations = f64::from(plan.chains) * f64::from(plan.length);
+        plan.deposit = bootstrap.mean() * plan.pixels() / mutations;
+        let seed = self.film.settings.seed;
+        let mut random = Stream::new(seed, Purpose::Resampling, 0, pass);
+        let seeds = bootstrap.seeds(plan.chains, f64::from(random.next_f32()));
+        let chains = driver.run_units(plan.chains, |chain| {
+            let seed = seeds.get(chain as usize);
+            seed.map_or_else(Counters::default, |seed| {
+                self.sampling.run_chain(&plan, chain, *seed)
+            })
+        });
+        counters += chains?;
+        Some(counters)
+    }
+
+    fn finish_pass(&self, layers: &mut [PassBuffer]) {
+        self.film.finish_pass(layers);
+    }
+
+    fn has_variance(&self, layer: &Layer) -> bool {
+        ChainFilm::has_variance(layer)
+    }
+
+    fn resolve(&self, means: &mut [Vec<f32>]) {
+        self.film.resolve(means);
+    }
+}

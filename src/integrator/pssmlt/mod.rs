@@ -1,0 +1,97 @@
+//! Metropolis light transport in primary sample space.
+
+mod evaluation;
+mod sampling;
+
+use super::Algorithm;
+use super::chains::SeedOptions;
+use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS};
+use super::pixel::PixelSettings;
+use super::render::Integrator;
+use crate::mutation::SmallSteps;
+use crate::scene::Scene;
+use crate::scene::options::{OptionError, OptionReader};
+use crate::sensor::Sensor;
+use sampling::PrimarySampling;
+
+/// What the importance of a state is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    /// The luminance of all paths of a camera sample together.
+    Sample,
+    /// The luminance of one of its paths; the chain keeps to paths of one length and one technique.
+    Path,
+}
+
+/// Small and large steps of the numbers that camera samples are made of.
+///
+/// Source: Kelemen et al. 2002; van Antwerpen 2011, Sec. 6.6.
+#[derive(Clone, Copy, Debug)]
+pub struct Pssmlt {
+    seeds: SeedOptions,
+    metropolis: MetropolisOptions,
+    /// Probability of a large step.
+    p_large: f64,
+    steps: SmallSteps,
+    target: Target,
+    /// Whether large steps count as samples of their own, too.
+    weigh_large_steps: bool,
+}
+
+impl Pssmlt {
+    /// Reads the options; the names of Mitsuba 0.6's element mean what they mean there.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
+        let largest = options.float("step_largest", 1e-6..=0.49, 1.0 / 64.0)? as f32;
+        let smallest = options.float("step_smallest", 1e-7..=0.49, 1.0 / 1024.0)? as f32;
+        if smallest >= largest {
+            return Err(options.refused("step_smallest", "less than step_largest"));
+        }
+        let target = match options
+            .choice("target", &["sample", "path"], "sample")?
+            .as_str()
+        {
+            "path" => Target::Path,
+            _ => Target::Sample,
+        };
+        let deposits = options.choice("deposits", &["expected", "weighed"], "weighed")?;
+        let weigh_large_steps = deposits == "weighed";
+        if weigh_large_steps && target == Target::Path {
+            return Err(options.refused("deposits", "expected where target is path"));
+        }
+        Ok(Self {
+            seeds: SeedOptions::of_metropolis(options, false)?,
+            metropolis: MetropolisOptions::from_options(options)?,
+            p_large: options.float("p_large", 0.0..=1.0, 0.3)?,
+            steps: SmallSteps { smallest, largest },
+            target,
+            weigh_large_steps,
+        })
+    }
+}
+
+impl Algorithm for Pssmlt {
+    fn start<'s>(
+        &'s self,
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        settings: PixelSettings,
+    ) -> Box<dyn Integrator + 's> {
+        let space = (scene, sensor);
+        let sampling = |_: &_| PrimarySampling(self);
+        let render =
+            MetropolisRender::new(space, &self.seeds, &self.metropolis, settings, sampling);
+        Box::new(render)
+    }
+
+    fn has_second_moment(&self) -> bool {
+        // What lands on a pixel at once is no sample of it.
+        false
+    }
+
+    fn own_layers(&self) -> &'static [&'static str] {
+        OWN_LAYERS
+    }
+}
