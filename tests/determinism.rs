@@ -29,7 +29,7 @@ fn everything(sampler: SamplerKind, filter: Filter) -> PixelSettings {
 }
 
 /// Bits of all layers: means, what is made of them, then variances.
-fn bits(rendered: &Rendered) -> Vec<Vec<u32>> {
+pub(crate) fn bits(rendered: &Rendered) -> Vec<Vec<u32>> {
     let of = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect();
     let sums = || rendered.layers.iter().map(|(_, sum)| sum);
     let means = sums().map(|sum| of(sum.mean()));
@@ -44,7 +44,7 @@ fn render(scene: &Scene, settings: PixelSettings, passes: u32) -> Rendered {
     run(scene, &sensor, integrator.as_ref(), settings, passes)
 }
 
-fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.expect("threads can be started").install(work)
 }
@@ -153,7 +153,7 @@ fn more_passes_continue_the_same_render() {
 }
 
 /// Bits of the pixels of a window, in a render that covers it.
-fn cut(rendered: &Rendered, window: Window) -> Vec<Vec<u32>> {
+pub(crate) fn cut(rendered: &Rendered, window: Window) -> Vec<Vec<u32>> {
     let cut = |values: Vec<f32>, channels: usize| {
         let pixel = |x: u32, y: u32| {
             let column = (x - rendered.window.x) as usize;

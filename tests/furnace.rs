@@ -125,6 +125,44 @@ fn chains_keep_enclosures_in_balance() -> Result<(), String> {
     Ok(())
 }
 
+/// Paths from both sides.
+const BIDIRECTIONAL: [&str; 5] = [
+    "bdpt rr_depth=1 mis=balance",
+    "bdpt rr_depth=3",
+    "bdpt rr_depth=2 mis=maximum",
+    "bdpt rr_depth=2 connection_roulette=0.5",
+    "bdpt rr_depth=2 sample_direct=false mis_power=1.5",
+];
+
+#[test]
+fn paths_from_both_sides_keep_enclosures_in_balance() -> Result<(), String> {
+    for (scene, sensor) in &[spherical_furnace(1.0), cubic_furnace()] {
+        for text in BIDIRECTIONAL.into_iter().chain(["ptracer rr_depth=2"]) {
+            check(scene, sensor, text, 1.0)?;
+        }
+        let radiance = Rgb::WHITE - ALBEDO.map(|a| a.powi(3));
+        for text in ["bdpt max_depth=3 mis=balance", "ptracer max_depth=3"] {
+            check(scene, sensor, text, f64::from(radiance.luminance()))?;
+        }
+    }
+    let (scene, sensor) = cubic_furnace();
+    assert!(check(&scene, &sensor, "bdpt max_depth=5", 1.0).is_err());
+    Ok(())
+}
+
+#[test]
+fn paths_from_both_sides_do_not_see_glass_that_loses_nothing() -> Result<(), String> {
+    let inside = wall(sphere(Vec3::new(0.1, 0.1, 0.0), 0.5), 1.5 * 1.5);
+    for bodies in [vec![], vec![inside]] {
+        let shell = part(sphere(Vec3::ZERO, 1.0), glass());
+        let (scene, sensor) = under_white_sky(bodies.into_iter().chain([shell]));
+        for text in BIDIRECTIONAL {
+            check(&scene, &sensor, text, 1.0)?;
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn chains_do_not_see_glass_that_loses_nothing() -> Result<(), String> {
     for bsdf in [glass(), Dielectric::new(ior(1.0, 1.33), 1.0, 1.0)] {

@@ -3,6 +3,8 @@
 mod agreement;
 mod antialiasing;
 mod balance;
+mod bdpt;
+mod bidirectional;
 mod chi_square;
 mod cli;
 mod density_forms;

@@ -73,6 +73,22 @@ const OPTIONS: &[(&str, &str)] = &[
         "weights of sampling techniques: balance, power or maximum",
     ),
     (
+        "mis_power",
+        "exponent of mis=power: 1 is balance, 2 the usual one",
+    ),
+    (
+        "light_image",
+        "connect light paths to the lens, too (Mitsuba: lightImage)",
+    ),
+    (
+        "sample_direct",
+        "sample lights from camera paths, not take the start of the light path (Mitsuba: sampleDirect)",
+    ),
+    (
+        "connection_roulette",
+        "drop most connections that would bring less than this share of the mean luminance; 0 makes all",
+    ),
+    (
         "shading_samples",
         "sets emitter_samples and bsdf_samples at once",
     ),

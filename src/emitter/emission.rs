@@ -1,6 +1,6 @@
 //! Rays of light: where they leave an emitter or come from far away, and where they go.
 
-use super::{EmitterSample, SceneBounds};
+use super::{Emitter, EmitterClass, EmitterModel, EmitterSample, SceneBounds};
 use crate::math::{AreaDensity, Frame, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
 
@@ -39,6 +39,46 @@ impl EmittedRay {
             .surface
             .map_or(1.0, |at| at.geometric_normal.dot(self.direction).abs());
         self.value * (cos / (self.density.point.0 * self.density.direction.0))
+    }
+
+    /// Where the ray starts, as a sample of its emitter from a point: density and radiance are those of the
+    /// direction from there. `None` where it shows its back.
+    pub fn seen_from(&self, emitter: &Emitter, from: Vec3) -> Option<EmitterSample> {
+        let class = emitter.class();
+        if matches!(class, EmitterClass::Directional | EmitterClass::Environment) {
+            return Some(EmitterSample {
+                direction: -self.direction,
+                target: None,
+                radiance: self.value,
+                density: self.density.direction,
+                is_dirac: class.is_dirac(),
+                surface: None,
+            });
+        }
+        let position = self.surface.map_or(self.origin, |at| at.position);
+        let distance_squared = position.distance_squared(from);
+        let direction = (position - from) * (1.0 / distance_squared.sqrt());
+        let (target, radiance, density) = match &self.surface {
+            Some(at) => {
+                let cos = at.geometric_normal.dot(direction);
+                let density = self.density.point.to_solid_angle(cos, distance_squared)?;
+                let target = at.ray_origin(-direction);
+                (target, emitter.radiance(at, -direction), density)
+            }
+            None => {
+                let arriving = emitter.intensity(-direction) / distance_squared;
+                (position, arriving, SolidAngleDensity(1.0))
+            }
+        };
+        let is_seen = direction.is_finite() && !radiance.is_black();
+        is_seen.then_some(EmitterSample {
+            direction,
+            target: Some(target),
+            radiance,
+            density,
+            is_dirac: class.is_dirac(),
+            surface: self.surface,
+        })
     }
 
     /// A ray that leaves a point of a surface, cosine-weighted.

@@ -38,6 +38,13 @@ impl SampledWindow {
         }
     }
 
+    /// True for pixels that get samples.
+    #[inline]
+    pub(super) fn contains(&self, (x, y): (i32, i32)) -> bool {
+        let (column, row) = (x - self.x, y - self.y);
+        (0..self.width as i32).contains(&column) && (0..self.height as i32).contains(&row)
+    }
+
     /// Number of units of work: squares of pixels.
     pub(super) fn unit_count(&self) -> u32 {
         self.width.div_ceil(BLOCK) * self.height.div_ceil(BLOCK)

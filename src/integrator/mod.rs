@@ -4,6 +4,7 @@
 //! depends on scene, options, seed, pass and unit alone. [`render`] runs passes; it knows no clock.
 
 mod aov;
+mod bdpt;
 mod camera;
 mod chains;
 mod depth;
@@ -18,6 +19,7 @@ mod render;
 mod wave;
 
 pub use aov::Aov;
+pub use bdpt::Bdpt;
 pub use depth::Depth;
 pub use direct::Direct;
 pub use erpt::Erpt;
@@ -54,9 +56,11 @@ pub trait Algorithm: Send + Sync {
 }
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
-pub const NAMES: [(&str, &str); 6] = [
+pub const NAMES: [(&str, &str); 8] = [
     ("path", "path tracing with multiple importance sampling"),
     ("direct", "direct light only"),
+    ("bdpt", "bidirectional path tracing"),
+    ("ptracer", "light tracing: paths from the lights only"),
     ("depth", "distance to the first surface"),
     ("erpt", "energy redistribution path tracing"),
     ("pmc-er", "population Monte Carlo energy redistribution"),
@@ -88,6 +92,8 @@ pub fn from_options(
     options: &mut OptionReader<'_>,
 ) -> Result<Box<dyn Algorithm>, OptionError> {
     match name {
+        "bdpt" => Ok(Box::new(Bdpt::from_options(options)?)),
+        "ptracer" => Ok(Box::new(Bdpt::light_tracing(options)?)),
         "erpt" => Ok(Box::new(Erpt::from_options(options)?)),
         "pmc-er" => Ok(Box::new(PmcEr::from_options(options)?)),
         "pssmlt" => Ok(Box::new(Pssmlt::from_options(options)?)),

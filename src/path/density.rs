@@ -228,6 +228,8 @@ impl PathSpace<'_> {
         let (direction, distance_squared) = self.edge(lens, vertex)?;
         let pixels = f64::from(self.sensor.pixels_per_steradian(direction));
         let spread = match vertex.kind {
+            // Parallel rays see one direction only, which no sample has.
+            VertexKind::Infinity if self.sensor.has_parallel_rays() => return None,
             VertexKind::Infinity => 1.0,
             _ => f64::from(self.sensor.spread(distance_squared)),
         };

@@ -6,6 +6,7 @@
 //! then the measurement contribution in the coordinates in which the path tracer generates paths.
 //! Other coordinates bring scalar factors, which are written where they are used.
 
+mod bidirectional;
 mod density;
 mod light_path;
 mod mis;
@@ -14,6 +15,10 @@ mod tracer;
 mod verify;
 mod vertex;
 
+pub use bidirectional::{
+    Backlog, Bidirection, Bidirectional, Connection, Departure, Escape, EyeSubpath, LightImage,
+    LightSubpath, SubVertex, Techniques, Weighing,
+};
 pub use density::{Coordinates, Generation, Technique};
 pub use light_path::{CAPACITY, Path, Signature};
 pub use mis::Heuristic;

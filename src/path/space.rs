@@ -149,26 +149,65 @@ impl<'s> PathSpace<'s> {
     /// - `lens`: position on the lens, in world space.
     #[inline]
     pub fn seen_at(&self, vertex: &PathVertex, lens: &PathVertex) -> Option<Vec2> {
+        let (raster, ray) = self.sight(vertex, lens)?;
+        if self.rules.hide_emitters {
+            return self.is_free_past_emitters(ray).then_some(raster);
+        }
+        self.count_ray();
+        (!self.scene.accel().is_occluded(&ray)).then_some(raster)
+    }
+
+    /// Raster position at which a vertex is seen through a point of the lens if the ray between them is
+    /// free; `None` where it is clipped or behind the sensor.
+    ///
+    /// - `vertex`: on a surface, or at infinity.
+    #[inline]
+    pub fn sight(&self, vertex: &PathVertex, lens: &PathVertex) -> Option<(Vec2, Ray)> {
         let (direction, distance_squared) = self.edge(lens, vertex)?;
         let raster = self.sensor.raster_at(lens.position(), direction)?;
         let (near, far) = self.sensor.clip(direction);
-        let distance = distance_squared.sqrt();
-        if distance < near || distance > far {
-            return None;
+        if vertex.kind == VertexKind::Infinity {
+            let ray = Ray::new(lens.position(), direction).between(near, far);
+            return Some((raster, ray));
         }
-        let mut origin = vertex.point.ray_origin(-direction);
+        let distance = distance_squared.sqrt();
+        let origin = vertex.point.ray_origin(-direction);
         let target = lens.position() + direction * near;
+        (distance >= near && distance <= far).then(|| (raster, Ray::segment(origin, target)))
+    }
+
+    /// True when a piece of a line meets no surface that does not emit.
+    pub fn is_free_past_emitters(&self, ray: Ray) -> bool {
+        let target = ray.at(ray.far());
+        let mut segment = ray;
         loop {
             self.count_ray();
-            let segment = Ray::segment(origin, target);
-            if !self.rules.hide_emitters {
-                return (!self.scene.accel().is_occluded(&segment)).then_some(raster);
-            }
             let Some(met) = self.scene.intersect(&segment) else {
-                return Some(raster);
+                return true;
             };
-            met.emitter?;
-            origin = met.point.ray_origin(-direction);
+            if met.emitter.is_none() {
+                return false;
+            }
+            segment = Ray::segment(met.point.ray_origin(ray.direction()), target);
+        }
+    }
+
+    /// Whether each of many rays meets anything.
+    ///
+    /// - `occluded`: filled anew, one a ray.
+    #[inline]
+    pub fn are_occluded(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        self.rays.set(self.rays.get() + rays.len() as u64);
+        self.scene.accel().are_occluded(rays, occluded);
+    }
+
+    /// The point of the lens from which a ray leaves to a vertex: the given one, except where rays are
+    /// parallel.
+    #[inline]
+    pub fn lens_before(&self, vertex: &PathVertex, lens: &PathVertex) -> PathVertex {
+        match vertex.kind {
+            VertexKind::Infinity => *lens,
+            _ => PathVertex::sensor(self.sensor.lens_before(vertex.position(), lens.position())),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The vertices that paths are made of.
 
 use crate::bsdf::{BsdfSample, Component, Lobe};
-use crate::emitter::{EmitterClass, EmitterSample};
+use crate::emitter::{EmittedRay, EmitterClass, EmitterSample};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::{EmitterId, Interaction};
 use crate::shape::{Derivatives, SurfacePoint};
@@ -142,6 +142,28 @@ impl PathVertex {
         Self {
             point,
             value: sample.radiance,
+            adjoint: 1.0,
+            object: Self::NONE,
+            emitter: emitter.0,
+            kind,
+            event: Event::Emission(class),
+        }
+    }
+
+    /// The last vertex of a path whose light starts as a sampled ray.
+    ///
+    /// Its value is that of the ray, which depends on its direction.
+    pub fn emitted_from(ray: &EmittedRay, emitter: EmitterId, class: EmitterClass) -> Self {
+        let (kind, point) = match (ray.surface, class) {
+            (Some(surface), _) => (VertexKind::Surface, surface),
+            (None, EmitterClass::Directional | EmitterClass::Environment) => {
+                (VertexKind::Infinity, bare_point(-ray.direction))
+            }
+            (None, _) => (VertexKind::Point, bare_point(ray.origin)),
+        };
+        Self {
+            point,
+            value: ray.value,
             adjoint: 1.0,
             object: Self::NONE,
             emitter: emitter.0,

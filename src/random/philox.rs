@@ -24,6 +24,8 @@ pub enum Purpose {
     Birth = 8,
     /// Which members of a population survive.
     Elimination = 9,
+    /// Paths that start at a light.
+    Light = 10,
     /// Samples from which the seeds of Metropolis sampling are drawn.
     Bootstrap = 16,
     /// Which of them become seeds.

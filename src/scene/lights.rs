@@ -192,6 +192,16 @@ impl Lights {
         })
     }
 
+    /// The start of a ray as a sample of its light from a point; `None` where it shows its back.
+    pub fn as_sample(&self, chosen: &ChosenRay, from: Vec3) -> Option<ChosenSample> {
+        let mut sample = chosen.ray.seen_from(self.get(chosen.emitter), from)?;
+        sample.density.0 *= chosen.probability;
+        Some(ChosenSample {
+            sample,
+            emitter: chosen.emitter,
+        })
+    }
+
     /// Density with which [`Lights::sample_emission`] makes a ray of an emitter, once that is chosen; see
     /// [`EmitterModel::emission_density`].
     #[inline]

@@ -78,6 +78,12 @@ pub trait SensorModel {
         distance_squared
     }
 
+    /// Whether all rays have one direction.
+    #[inline]
+    fn has_parallel_rays(&self) -> bool {
+        false
+    }
+
     /// Nearest and farthest distance that are seen along a unit direction, in m, as
     /// [`CameraRay::near`] and [`CameraRay::far`]. Behind the sensor the nearest is infinite.
     fn clip(&self, direction: Vec3) -> (f32, f32);
@@ -151,6 +157,10 @@ macro_rules! sensor_models {
             #[inline]
             fn pixels_per_steradian(&self, direction: Vec3) -> f32 {
                 match self { $(Self::$model(s) => s.pixels_per_steradian(direction),)* }
+            }
+            #[inline]
+            fn has_parallel_rays(&self) -> bool {
+                match self { $(Self::$model(s) => s.has_parallel_rays(),)* }
             }
             #[inline]
             fn spread(&self, distance_squared: f32) -> f32 {

@@ -96,6 +96,11 @@ impl SensorModel for Orthographic {
     }
 
     #[inline]
+    fn has_parallel_rays(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn spread(&self, _distance_squared: f32) -> f32 {
         1.0
     }

@@ -15,3 +15,4 @@ pub(crate) mod scenes;
 pub(crate) mod seeds;
 pub(crate) mod source_code;
 pub(crate) mod stages;
+pub(crate) mod techniques;

@@ -168,8 +168,8 @@ fn names_in_arguments_are_checked_first() {
     };
     assert_eq!(
         message(&["-i", "pth"]),
-        "unknown integrator \"pth\" (did you mean \"path\"?); there are path, direct, depth, erpt, \
-         pmc-er, pssmlt"
+        "unknown integrator \"pth\" (did you mean \"path\"?); there are path, direct, bdpt, \
+         ptracer, depth, erpt, pmc-er, pssmlt"
     );
     assert_eq!(
         message(&["--aov", "uv,albdo"]),

@@ -1,0 +1,331 @@
+//! How two subpaths make paths: one function for each kind of technique.
+
+use super::{Backlog, Bidirection, Bidirectional, Connection, Escape, SubVertex};
+use crate::accel::Ray;
+use crate::bsdf::{BsdfModel, Transport};
+use crate::emitter::EmitterModel;
+use crate::math::{Local, Rgb, Vec2, Vec3};
+use crate::path::{PathSpace, PathVertex};
+use crate::scene::ChosenSample;
+
+/// A path that exists if a ray is free.
+pub(super) struct Made {
+    pub(super) value: Rgb,
+    pub(super) weight: f64,
+    pub(super) ray: Ray,
+}
+
+/// What a surface does with light between a known direction and that of a connection.
+pub(super) struct Turn {
+    /// `f_s · |n_s · ω_l|`, radiance from the light's side scattered to the eye's.
+    pub(super) value: Rgb,
+    /// Density with which it sends the subpath that has met it into the connection, in 1/sr.
+    forward: f64,
+    /// Density with which it sends what comes along the connection back, in 1/sr.
+    pub(super) backward: f64,
+}
+
+/// The finite lobes of a vertex of a subpath, towards a world-space direction; `None` where they are black.
+#[inline]
+pub(super) fn turn(
+    space: &PathSpace<'_>,
+    vertex: &SubVertex<'_>,
+    direction: Vec3,
+    transport: Transport,
+) -> Option<Turn> {
+    let met = &vertex.met;
+    let other = met.frame.to_local(direction);
+    if !space.strict_agrees(met, other, direction) {
+        return None;
+    }
+    let ask = |wi: Local, wo: Local| {
+        met.bsdf
+            .eval_with_density(wi, wo, &met.point, Transport::Radiance)
+    };
+    // The value is that of radiance on either subpath: as path tracing would have it.
+    let (value, forward, backward) = match transport {
+        Transport::Radiance => {
+            let (value, forward) = ask(met.wi, other);
+            let black = value.is_black();
+            let backward = || met.bsdf.density(other, met.wi, &met.point);
+            (value, forward, if black { forward } else { backward() })
+        }
+        Transport::Importance => {
+            let (value, backward) = ask(other, met.wi);
+            let black = value.is_black();
+            let forward = || met.bsdf.density(met.wi, other, &met.point);
+            (value, if black { backward } else { forward() }, backward)
+        }
+    };
+    (!value.is_black()).then(|| Turn {
+        value,
+        forward: f64::from(forward.0),
+        backward: f64::from(backward.0),
+    })
+}
+
+/// Size of the cosine between a direction and the geometric normal.
+#[inline]
+pub(super) fn geometric_cos(vertex: &SubVertex<'_>, direction: Vec3) -> f64 {
+    f64::from(vertex.met.point.geometric_normal.dot(direction).abs())
+}
+
+impl Bidirectional {
+    /// Eye subpaths that meet lights by chance: no light vertex.
+    pub(super) fn meet_lights<'s>(
+        &self,
+        space: &PathSpace<'_>,
+        sample: &Bidirection<'s>,
+        raster: Vec2,
+        found: &mut impl FnMut(&Bidirection<'s>, &Connection),
+    ) {
+        let vertices = &sample.eye.vertices;
+        let mut hand_out = |eye: usize, (value, shorter): (Rgb, f64)| {
+            let connection = Connection {
+                eye,
+                light: 0,
+                raster,
+                value,
+                weight: self.weighing.weight(shorter, 0.0) as f32,
+            };
+            if connection.weight > 0.0 {
+                found(sample, &connection);
+            }
+        };
+        for (index, vertex) in vertices.iter().enumerate() {
+            if vertex.met.emitter.is_some() {
+                let before = index.checked_sub(1).map(|i| vertices[i].met.point.position);
+                if let Some(met) = self.meet_surface(space, vertex, before) {
+                    hand_out(index + 1, met);
+                }
+            }
+        }
+        if let Some(escape) = &sample.eye.escape {
+            let before = vertices.last().map(|v| v.met.point.position);
+            if let Some(met) = self.meet_environment(space, escape, before) {
+                hand_out(vertices.len() + 1, met);
+            }
+        }
+    }
+
+    /// Value of a path that ends at a surface that glows, and the raised densities of the techniques with
+    /// shorter eye subpaths over its own.
+    ///
+    /// - `before`: the vertex before; `None` where that is the lens.
+    fn meet_surface(
+        &self,
+        space: &PathSpace<'_>,
+        vertex: &SubVertex<'_>,
+        before: Option<Vec3>,
+    ) -> Option<(Rgb, f64)> {
+        let (id, lights) = (vertex.met.emitter?, space.scene.lights());
+        let (point, back) = (&vertex.met.point, vertex.met.back);
+        let radiance = lights.get(id).radiance(point, back);
+        if radiance.is_black() {
+            return None;
+        }
+        let per_area = geometric_cos(vertex, back) / f64::from(vertex.met.distance).powi(2);
+        let direct = |from| f64::from(lights.density_toward(id, from, point).0) * per_area;
+        let emission = lights.emission_density(id, Some(point), back);
+        let own = f64::from(lights.emission_probability(id) * emission.point.0);
+        let onward = f64::from(emission.direction.0);
+        let shorter = self.before_light(vertex.backlog, before.map(direct), own, onward);
+        Some((vertex.throughput * radiance, shorter))
+    }
+
+    /// As [`Bidirectional::meet_surface`] for a path that leaves the scene.
+    fn meet_environment(
+        &self,
+        space: &PathSpace<'_>,
+        escape: &Escape,
+        before: Option<Vec3>,
+    ) -> Option<(Rgb, f64)> {
+        let (lights, toward) = (space.scene.lights(), escape.toward);
+        let id = lights.environment()?;
+        let radiance = lights.environment_radiance(toward);
+        if radiance.is_black() {
+            return None;
+        }
+        let direct = |from| f64::from(lights.environment_density(from, toward).0);
+        let emission = lights.emission_density(id, None, -toward);
+        let own = f64::from(lights.emission_probability(id) * emission.direction.0);
+        let onward = f64::from(emission.point.0);
+        let shorter = self.before_light(escape.backlog, before.map(direct), own, onward);
+        Some((escape.throughput * radiance, shorter))
+    }
+
+    /// Raised densities of all techniques but the one that meets a light by chance, over its own.
+    ///
+    /// - `direct`: density with which the light's vertex is sampled from the vertex before; `None` where that
+    ///   is the lens.
+    /// - `own`: density with which light subpaths begin at the light's vertex.
+    /// - `onward`: density with which they go on from there.
+    fn before_light(&self, backlog: Backlog, direct: Option<f64>, own: f64, onward: f64) -> f64 {
+        let weighing = self.weighing;
+        let Some(direct) = direct else {
+            return weighing.raise(own) * backlog.base;
+        };
+        let direct = if self.techniques.sample_direct {
+            direct
+        } else {
+            own
+        };
+        weighing.join(
+            weighing.raise(direct) * backlog.base,
+            weighing.raise(own * onward) * backlog.slope,
+        )
+    }
+
+    /// Eye subpaths that end at points sampled on lights: one light vertex.
+    pub(super) fn sample_lights(
+        &self,
+        space: &PathSpace<'_>,
+        sample: &mut Bidirection<'_>,
+        raster: Vec2,
+    ) {
+        let lights = space.scene.lights();
+        for index in 0..sample.eye.vertices.len() {
+            let vertex = &sample.eye.vertices[index];
+            if index + 2 > self.max_depth as usize || !vertex.met.lobes.finite {
+                continue;
+            }
+            let from = vertex.met.point.position;
+            let chosen = if self.techniques.sample_direct {
+                lights.sample_toward(from, vertex.u_light)
+            } else {
+                let start = sample.light.start.as_ref();
+                start.and_then(|start| lights.as_sample(start, from))
+            };
+            let Some(chosen) = chosen else { continue };
+            if let Some(made) = self.sampled_light(space, vertex, &chosen) {
+                let class = lights.get(chosen.emitter).class();
+                let end = PathVertex::sampled_light(&chosen.sample, chosen.emitter, class);
+                sample.ends[index] = Some(end);
+                sample.propose((index + 1, 1), raster, made);
+            }
+        }
+    }
+
+    /// The path from an eye subpath's vertex to a sampled point of a light.
+    fn sampled_light(
+        &self,
+        space: &PathSpace<'_>,
+        vertex: &SubVertex<'_>,
+        chosen: &ChosenSample,
+    ) -> Option<Made> {
+        let (sample, lights) = (&chosen.sample, space.scene.lights());
+        let turn = turn(space, vertex, sample.direction, Transport::Radiance)?;
+        let density = f64::from(sample.density.0);
+        let at = sample.surface.as_ref();
+        let emission = lights.emission_density(chosen.emitter, at, -sample.direction);
+        // With the densities of the light's vertex as they are for solid angles.
+        let per_area = match (at, sample.target) {
+            (Some(at), _) => 1.0 / f64::from(at.geometric_normal.dot(sample.direction).abs()),
+            (None, Some(target)) => {
+                1.0 / f64::from(target.distance_squared(vertex.met.point.position))
+            }
+            (None, None) => 1.0,
+        };
+        let emitted = f64::from(lights.emission_probability(chosen.emitter))
+            * f64::from(emission.point.0)
+            * f64::from(emission.direction.0)
+            * geometric_cos(vertex, sample.direction)
+            * per_area;
+        let weighing = self.weighing;
+        let longer = if sample.is_dirac {
+            0.0
+        } else {
+            weighing.raise(turn.forward / density)
+        };
+        let shorter = weighing.raise(emitted / density)
+            * vertex.backlog.at_connection(weighing, turn.backward);
+        Some(Made {
+            value: vertex.throughput * turn.value * sample.radiance * (1.0 / sample.density.0),
+            weight: weighing.weight(shorter, longer),
+            ray: match sample.target {
+                Some(target) => vertex.met.point.ray_to(target),
+                None => vertex.met.point.ray_toward(sample.direction),
+            },
+        })
+    }
+
+    /// Connections of two vertices that both lie on surfaces: two light vertices or more.
+    pub(super) fn join_subpaths(
+        &self,
+        space: &PathSpace<'_>,
+        sample: &mut Bidirection<'_>,
+        raster: Vec2,
+    ) {
+        let is_open = |vertex: &SubVertex<'_>| vertex.met.lobes.finite;
+        for eye in 0..sample.eye.vertices.len() {
+            if !is_open(&sample.eye.vertices[eye]) {
+                continue;
+            }
+            // The vertices of both sides are counted from one, and the light's own comes before.
+            let left = (self.max_depth as usize).saturating_sub(eye + 2);
+            for light in 0..sample.light.vertices.len().min(left) {
+                let pair = (&sample.eye.vertices[eye], &sample.light.vertices[light]);
+                if !is_open(pair.1) {
+                    continue;
+                }
+                if let Some(made) = self.join(space, pair) {
+                    sample.propose((eye + 1, light + 2), raster, made);
+                }
+            }
+        }
+    }
+
+    /// The connection of a vertex of the eye subpath with one of the light subpath.
+    #[inline]
+    fn join(
+        &self,
+        space: &PathSpace<'_>,
+        (eye, light): (&SubVertex<'_>, &SubVertex<'_>),
+    ) -> Option<Made> {
+        let edge = light.met.point.position - eye.met.point.position;
+        let distance_squared = edge.length_squared();
+        let direction = edge * (1.0 / distance_squared.sqrt());
+        if !direction.is_finite() {
+            return None;
+        }
+        let at_eye = turn(space, eye, direction, Transport::Radiance)?;
+        let at_light = turn(space, light, -direction, Transport::Importance)?;
+        let distance_squared = f64::from(distance_squared);
+        let eye_per_area = geometric_cos(eye, direction) / distance_squared;
+        let light_per_area = geometric_cos(light, direction) / distance_squared;
+        let weighing = self.weighing;
+        let shorter = weighing.raise(at_light.forward * eye_per_area)
+            * eye.backlog.at_connection(weighing, at_eye.backward);
+        let longer = weighing.raise(at_eye.forward * light_per_area)
+            * light.backlog.at_connection(weighing, at_light.backward);
+        let geometry = light_per_area / geometric_cos(light, light.met.back);
+        let value = eye.throughput * at_eye.value * (light.throughput * at_light.value);
+        let target = light.met.point.ray_origin(-direction);
+        Some(Made {
+            value: value * geometry as f32,
+            weight: weighing.weight(shorter, longer),
+            ray: eye.met.point.ray_to(target),
+        })
+    }
+}
+
+impl Bidirection<'_> {
+    /// Adds a path that exists if a ray is free.
+    ///
+    /// - `eye`, `light`: numbers of its vertices, as in [`Connection`].
+    #[inline]
+    pub(super) fn propose(&mut self, (eye, light): (usize, usize), raster: Vec2, made: Made) {
+        // Written so that a weight that is no number is handed on, and counted.
+        if made.weight <= 0.0 {
+            return;
+        }
+        self.candidates.push(Connection {
+            eye,
+            light,
+            raster,
+            value: made.value,
+            weight: made.weight as f32,
+        });
+        self.rays.push(made.ray);
+    }
+}

@@ -1,0 +1,398 @@
+//! Pictures by bidirectional path tracing and by light tracing are those of path tracing.
+
+use lumiflow::bsdf::{Conductor, Dielectric, Diffuse, MicrofacetKind, Mixture, Null, RelativeIor};
+use lumiflow::bsdf::{RoughConductor, Roughness};
+use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
+use lumiflow::film::{Filter, FilterKind, Window};
+use lumiflow::integrator::PixelSettings;
+use lumiflow::math::{Mat3, Mat4, Rgb, Vec2, Vec3};
+use lumiflow::random::SamplerKind;
+use lumiflow::scene::{Scene, SceneBuilder};
+use lumiflow::texture::Checkerboard;
+
+use crate::determinism::{bits, cut, on_threads};
+use crate::support::effort::{level, samples, seed};
+use crate::support::hard_scenes::{self, View};
+use crate::support::render::{Replicas, integrator, mean, picture, run, settings, tiles};
+use crate::support::scenes::{
+    Part, camera, cornell, cornell_camera, faceted_sphere, part, rectangle, scene, sphere,
+    thin_lens,
+};
+use crate::support::stages::stage_of;
+
+const SIDE: u32 = 16;
+const REPLICAS: u64 = 16;
+/// Chance that a right program fails one of these tests with another seed.
+const LEVEL: f64 = 1e-3;
+
+fn replicas(view: &View, text: &str, first: u64, passes: u32) -> Replicas {
+    Replicas::new(seed(first), REPLICAS, |seed| {
+        let settings = settings(seed, SIDE);
+        let image = picture(&view.scene, &view.sensor, text, settings, samples(passes));
+        tiles(&image, 4)
+    })
+}
+
+/// Compares integrators, which all get the same options besides their own, with path tracing.
+fn check(view: &View, common: &str, others: &[&str]) -> Result<(), String> {
+    let plain = replicas(view, &format!("path {common}"), 1, 64);
+    let errors: Vec<String> = others
+        .iter()
+        .filter_map(|other| {
+            let found = replicas(view, &format!("{other} {common}"), 501, 16);
+            let verdict = found.check_same(&plain, level(LEVEL));
+            verdict
+                .err()
+                .map(|e| format!("{}, {other}: {e}", view.name))
+        })
+        .collect();
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(errors.join("\n"))
+    }
+}
+
+fn white() -> Diffuse {
+    Diffuse::new(Rgb::new(0.7, 0.7, 0.6))
+}
+
+fn floor(bsdf: impl Into<lumiflow::bsdf::Bsdf>) -> Part {
+    part(rectangle(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0), bsdf)
+}
+
+fn lamp(middle: Vec3) -> Part {
+    let shape = rectangle(middle, Vec3::X * 0.4, Vec3::Z * 0.3);
+    part(shape, Diffuse::new(0.3)).glowing(Rgb::new(8.0, 6.0, 5.0))
+}
+
+fn view(name: &'static str, scene: Scene) -> View {
+    View {
+        name,
+        scene,
+        sensor: camera(
+            Vec3::new(-0.3, 1.6, 2.2),
+            Vec3::new(0.0, 0.2, 0.0),
+            50.0,
+            SIDE,
+        ),
+    }
+}
+
+fn glass() -> Dielectric {
+    Dielectric::new(RelativeIor::new(1.5, 1.0).expect("positive"), 1.0, 1.0)
+}
+
+fn metal(alpha: f32) -> RoughConductor {
+    let roughness = Roughness::isotropic(MicrofacetKind::Ggx, alpha);
+    RoughConductor::new(roughness, None, Rgb::new(0.9, 0.7, 0.5))
+}
+
+/// The light that a glass ball gathers; the ball itself is not in the picture.
+fn caustic() -> View {
+    let ball = part(sphere(Vec3::new(0.0, 0.8, 0.0), 0.4), glass());
+    View {
+        name: "caustic",
+        scene: scene([floor(white()), ball, lamp(Vec3::Y * 2.0)], |_| {}),
+        sensor: camera(Vec3::new(0.0, 0.9, 2.6), Vec3::Y * -0.1, 20.0, SIDE),
+    }
+}
+
+/// Rough metal, and a ball of few facets with normals as if it were round.
+fn metals() -> View {
+    let place = Mat4::from_translation(Vec3::new(-0.5, 0.5, 0.0));
+    let facets = faceted_sphere(5, place * Mat4::from_scale(Vec3::splat(0.45)));
+    let parts = [
+        floor(metal(0.4)),
+        part(facets, white()),
+        part(sphere(Vec3::new(0.6, 0.45, 0.0), 0.4), metal(0.2)),
+        lamp(Vec3::new(0.2, 1.8, 0.0)),
+    ];
+    view("metals", scene(parts, |_| {}))
+}
+
+/// Light from a lamp with squares on it, through a pane with holes.
+fn patterned() -> View {
+    let mut builder = SceneBuilder::new();
+    let squares = |a: f32, b: f32| {
+        let colours = [Rgb::new(a, 0.5 * a, 0.2 * a), Rgb::new(b, b, 2.0 * b)];
+        Checkerboard::new(colours, Mat3::from_scale(Vec2::splat(3.0)))
+    };
+    let pane = rectangle(Vec3::Y * 0.9, Vec3::Z * 0.5, Vec3::X * 0.5);
+    let half = Mixture::new([(0.6, white().into()), (0.4, Null.into())]);
+    let floor = floor(Diffuse::new(squares(0.2, 0.4)));
+    let lamp = lamp(Vec3::new(0.0, 1.7, 0.0));
+    for (part, radiance) in [
+        (floor, None),
+        (part(pane, half.expect("the weights add up")), None),
+        (lamp, Some(squares(12.0, 0.5).into())),
+    ] {
+        let bsdf = builder.add_bsdf(part.bsdf);
+        let added = builder.add_shape(part.shape, bsdf, radiance);
+        added.expect("the shape has an area");
+    }
+    view("patterned", builder.build().expect("a scene"))
+}
+
+fn blocks() -> [Part; 3] {
+    let wall = rectangle(Vec3::new(0.0, 1.0, -1.0), Vec3::X * 2.0, Vec3::Y * 1.0);
+    let ball = sphere(Vec3::new(0.1, 0.5, 0.0), 0.45);
+    [floor(white()), part(wall, white()), part(ball, white())]
+}
+
+/// Lights that no ray meets.
+fn points() -> View {
+    let lights = |builder: &mut SceneBuilder| {
+        builder.add_emitter(Point::new(Vec3::new(0.8, 1.2, 0.8), Rgb::grey(1.0)));
+        let place = Mat4::from_translation(Vec3::new(-0.8, 1.5, 0.5));
+        let aim = place * Mat4::from_rotation_x(1.9);
+        let spot = Spot::new(aim, Rgb::new(3.0, 2.0, 1.0), Beam::new(1.0), None);
+        builder.add_emitter(spot.expect("the lamp is one"));
+    };
+    view("points", scene(blocks(), lights))
+}
+
+/// Light from infinity.
+fn outdoors() -> View {
+    let lights = |builder: &mut SceneBuilder| {
+        builder.add_emitter(Constant::new(Rgb::new(0.5, 0.6, 0.8)));
+        let sun = Directional::new(Vec3::new(-1.0, -2.0, -0.5), Rgb::grey(1.5));
+        builder.add_emitter(sun.expect("the sun shines somewhere"));
+    };
+    view("outdoors", scene(blocks(), lights))
+}
+
+fn through_a_lens() -> View {
+    View {
+        sensor: thin_lens(
+            Vec3::new(-0.3, 1.6, 2.2),
+            Vec3::new(0.0, 0.2, 0.0),
+            (50.0, SIDE),
+            (0.3, 2.0),
+        ),
+        ..metals()
+    }
+}
+
+/// Seen by the sensor of one of the stages, whose films are as wide as ours.
+fn seen_by(stage: &'static str) -> View {
+    let stage = stage_of(stage);
+    View {
+        name: stage.name,
+        sensor: stage.sensor,
+        ..metals()
+    }
+}
+
+const BOTH: [&str; 2] = ["bdpt rr_depth=2", "ptracer rr_depth=3"];
+
+#[test]
+fn pictures_are_those_of_path_tracing() -> Result<(), String> {
+    let views = [
+        caustic(),
+        metals(),
+        patterned(),
+        points(),
+        outdoors(),
+        through_a_lens(),
+        seen_by("orthographic"),
+        seen_by("spherical"),
+    ];
+    let errors: Vec<String> = views
+        .iter()
+        .filter_map(|view| check(view, "max_depth=5", &BOTH).err())
+        .collect();
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(errors.join("\n"))
+    }
+}
+
+#[test]
+fn ways_to_weigh_and_to_leave_out_change_only_the_noise() -> Result<(), String> {
+    let view = hard_scenes::indirect(SIDE);
+    check(
+        &view,
+        "max_depth=5",
+        &[
+            "bdpt mis=balance",
+            "bdpt mis_power=0.5 rr_depth=1",
+            "bdpt mis=maximum",
+            "bdpt light_image=false",
+            "bdpt sample_direct=false",
+            "bdpt sample_direct=false light_image=false mis=maximum",
+            "bdpt connection_roulette=1",
+            "ptracer",
+        ],
+    )
+}
+
+#[test]
+fn mirrors_and_glass_are_seen_as_by_path_tracing() -> Result<(), String> {
+    for view in [
+        hard_scenes::glass_caustic(SIDE, 1.0),
+        hard_scenes::body_in_glass(SIDE),
+        hard_scenes::plastics(SIDE),
+        hard_scenes::bumpy_mirror(SIDE),
+        hard_scenes::many_lights(SIDE),
+    ] {
+        check(
+            &view,
+            "max_depth=6",
+            &["bdpt rr_depth=2 connection_roulette=0.1"],
+        )?;
+    }
+    Ok(())
+}
+
+#[test]
+fn rules_of_paths_are_kept() -> Result<(), String> {
+    for rules in ["hide_emitters=true", "strict_normals=true"] {
+        check(&metals(), &format!("max_depth=4 {rules}"), &BOTH)?;
+    }
+    Ok(())
+}
+
+#[test]
+fn pictures_that_are_not_the_same_are_told_apart() {
+    let view = hard_scenes::indirect(SIDE);
+    let found = |text: &str| replicas(&view, text, 501, 16);
+    let plain = replicas(&view, "path max_depth=5", 1, 64);
+    for wrong in ["bdpt max_depth=3", "ptracer max_depth=3"] {
+        assert!(found(wrong).check_same(&plain, level(LEVEL)).is_err());
+    }
+}
+
+/// How much energy there is more in pictures whose connections are dropped by chance, as a share of that
+/// in pictures of the same subpaths with all connections, and its error.
+fn gain(roulette: f32) -> (f64, f64) {
+    let view = hard_scenes::indirect(SIDE);
+    let picture = |seed, text: &str| {
+        let settings = settings(seed, SIDE);
+        mean(&picture(
+            &view.scene,
+            &view.sensor,
+            text,
+            settings,
+            samples(32),
+        ))
+    };
+    let plain = "bdpt max_depth=6 rr_depth=2";
+    let dropped = format!("{plain} connection_roulette={roulette}");
+    let found = Replicas::new(seed(60), REPLICAS, |seed| {
+        let (all, some) = (picture(seed, plain), picture(seed, &dropped));
+        vec![some / all - 1.0]
+    });
+    let (mean, variance) = found.summary()[0];
+    (mean, variance.sqrt())
+}
+
+/// Another renderer gains 4 % where it drops connections by chance.
+#[test]
+fn dropping_connections_keeps_the_energy() {
+    for roulette in [0.1, 1.0, 3.0] {
+        let (gain, error) = gain(roulette);
+        assert!(error > 0.0 && error < 0.008, "4 % must show: {error}");
+        assert!(gain.abs() < 4.0 * error, "{roulette}: {gain} ± {error}");
+        assert!((gain + 0.04).abs() > 4.0 * error, "{gain} ± {error}");
+    }
+}
+
+fn film(filter: Filter, sampler: SamplerKind) -> PixelSettings {
+    PixelSettings {
+        filter,
+        sampler,
+        alpha: true,
+        aovs: lumiflow::integrator::Aov::NAMES
+            .map(|(_, aov)| aov)
+            .to_vec(),
+        ..settings(42, 37)
+    }
+}
+
+fn filters() -> [Filter; 2] {
+    let gaussian = FilterKind::Gaussian { stddev: 0.5 };
+    [
+        Filter::pixel_box(),
+        Filter::new(gaussian).expect("a filter"),
+    ]
+}
+
+const RENDERS: [&str; 4] = [
+    "bdpt max_depth=6 connection_roulette=0.5",
+    "bdpt max_depth=4 light_image=false",
+    "bdpt max_depth=4 sample_direct=false rr_depth=1",
+    "ptracer max_depth=6",
+];
+
+#[test]
+fn any_number_of_threads_makes_the_same_bits() {
+    let scene = cornell(Mat4::IDENTITY);
+    let sensor = cornell_camera(Mat4::IDENTITY, 37);
+    for text in RENDERS {
+        let algorithm = integrator(text);
+        for (filter, sampler) in filters()
+            .into_iter()
+            .zip([SamplerKind::Independent, SamplerKind::Sobol])
+        {
+            let passes = sampler.group() + 1;
+            let render = || run(&scene, &sensor, &*algorithm, film(filter, sampler), passes);
+            let one = on_threads(1, render);
+            assert!(one.counters.rays > 0 && one.counters.rejected == 0);
+            for threads in [2, 3, 7] {
+                let other = on_threads(threads, render);
+                assert_eq!(other.counters, one.counters);
+                assert!(bits(&other) == bits(&one), "{text}, {threads} threads");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_window_shows_what_the_whole_film_shows_there() {
+    let scene = cornell(Mat4::IDENTITY);
+    let sensor = cornell_camera(Mat4::IDENTITY, 37);
+    let corner = |x, y, width, height| Window {
+        x,
+        y,
+        width,
+        height,
+    };
+    for text in RENDERS {
+        let algorithm = integrator(text);
+        let render = |settings| run(&scene, &sensor, &*algorithm, settings, 3);
+        for filter in filters() {
+            let whole = film(filter, SamplerKind::Stratified);
+            let all = render(whole.clone());
+            for window in [
+                corner(0, 0, 5, 37),
+                corner(11, 23, 17, 9),
+                corner(36, 36, 1, 1),
+            ] {
+                let part = render(PixelSettings {
+                    window,
+                    ..whole.clone()
+                });
+                assert!(
+                    cut(&part, window) == cut(&all, window),
+                    "{text}, {window:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn mirrors_show_nothing_to_light_subpaths() {
+    let mirror = part(
+        sphere(Vec3::new(0.0, 0.5, 0.0), 0.45),
+        Conductor::new(None, 0.9),
+    );
+    let scene = scene([mirror, lamp(Vec3::new(0.3, 1.8, 0.0))], |_| {});
+    let sensor = camera(Vec3::new(0.0, 0.5, 3.0), Vec3::Y * 0.5, 12.0, SIDE);
+    let seen = |text: &str| mean(&picture(&scene, &sensor, text, settings(3, SIDE), 64));
+    assert_eq!(seen("ptracer"), 0.0);
+    let (path, both) = (seen("path"), seen("bdpt"));
+    assert!((both / path - 1.0).abs() < 0.1, "{both}, {path}");
+}
