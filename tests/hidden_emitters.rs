@@ -37,8 +37,8 @@ fn seen_from(height: f32, text: &str) -> f64 {
 
 #[test]
 fn the_camera_sees_the_wall_behind_a_hidden_lamp() {
-    for name in ["path", "direct"] {
-        let depth = if name == "path" { " max_depth=2" } else { "" };
+    for name in ["path", "direct", "bdpt", "ptracer"] {
+        let depth = if name == "direct" { "" } else { " max_depth=2" };
         let behind_lamp = seen_from(0.9, &format!("{name}{depth}"));
         let through_lamp = seen_from(4.0, &format!("{name}{depth} hide_emitters=true"));
         let at_lamp = seen_from(4.0, &format!("{name}{depth}"));

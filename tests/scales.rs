@@ -115,6 +115,26 @@ fn light_in(to_world: Mat4, open: bool) -> f64 {
 }
 
 #[test]
+fn light_subpaths_do_not_depend_on_size_and_place() {
+    const SIDE: u32 = 16;
+    for text in ["bdpt max_depth=5", "ptracer max_depth=5"] {
+        let render = |to_world: Mat4| {
+            let (scene, sensor) = (cornell(to_world), cornell_camera(to_world, SIDE));
+            mean(&picture(&scene, &sensor, text, settings(5, SIDE), 16))
+        };
+        let expected = render(turn());
+        for (size, distance, to_world) in places() {
+            let found = render(to_world);
+            let what = format!("{text}, size {size}, distance {distance}");
+            assert!(
+                (found / expected - 1.0).abs() < 0.01,
+                "{what}: {found}, {expected}"
+            );
+        }
+    }
+}
+
+#[test]
 fn closed_rooms_are_dark() {
     for (size, distance, to_world) in places() {
         let light = light_in(to_world, false);

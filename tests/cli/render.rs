@@ -302,3 +302,34 @@ fn definitions_and_integrators_come_from_the_arguments() {
         .fold(0.0, f32::max);
     assert!((4.0..4.7).contains(&farthest), "{farthest}");
 }
+
+#[test]
+fn elements_of_mitsuba_are_read() {
+    let place = Place::with_room();
+    let of_room = r#"<integrator type="path"><integer name="max_depth" value="6"/></integrator>"#;
+    let render = |element: &str| {
+        assert!(super::ROOM.contains(of_room));
+        place.write("other.xml", &super::ROOM.replace(of_room, element));
+        place.succeed(&["render", "other.xml", "--json"]).json()
+    };
+    let found = render(
+        r#"<integrator type="bdpt">
+             <integer name="maxDepth" value="4"/><integer name="rrDepth" value="3"/>
+             <boolean name="lightImage" value="false"/><boolean name="sampleDirect" value="false"/>
+           </integrator>"#,
+    );
+    assert_eq!(found["integrator"], "bdpt");
+    for (option, value) in [("max_depth", 4), ("rr_depth", 3)] {
+        assert_eq!(found["options"][option], value);
+    }
+    for option in ["light_image", "sample_direct"] {
+        assert_eq!(found["options"][option], false);
+    }
+    assert_eq!(found["warnings"].as_array().unwrap().len(), 0);
+    let found =
+        render(r#"<integrator type="ptracer"><integer name="maxDepth" value="5"/></integrator>"#);
+    assert_eq!(found["integrator"], "ptracer");
+    assert_eq!(found["options"]["max_depth"], 5);
+    assert!(found["mean"][0].as_f64().unwrap() > 0.01);
+    assert_eq!(found["warnings"].as_array().unwrap().len(), 0);
+}

@@ -25,6 +25,15 @@ pub(super) struct Turn {
     pub(super) backward: f64,
 }
 
+/// A world-space direction in the frame of a vertex; `None` where the material only reflects and it lies on
+/// the other side.
+#[inline]
+fn before(vertex: &SubVertex<'_>, direction: Vec3) -> Option<Local> {
+    let met = &vertex.met;
+    let local = met.frame.to_local(direction);
+    (met.lobes.transmission || met.wi.same_side(local)).then_some(local)
+}
+
 /// The finite lobes of a vertex of a subpath, towards a world-space direction; `None` where they are black.
 #[inline]
 pub(super) fn turn(
@@ -33,8 +42,25 @@ pub(super) fn turn(
     direction: Vec3,
     transport: Transport,
 ) -> Option<Turn> {
+    turn_to(
+        space,
+        vertex,
+        before(vertex, direction)?,
+        direction,
+        transport,
+    )
+}
+
+/// [`turn`], with the direction in both frames.
+#[inline]
+fn turn_to(
+    space: &PathSpace<'_>,
+    vertex: &SubVertex<'_>,
+    other: Local,
+    direction: Vec3,
+    transport: Transport,
+) -> Option<Turn> {
     let met = &vertex.met;
-    let other = met.frame.to_local(direction);
     if !space.strict_agrees(met, other, direction) {
         return None;
     }
@@ -288,8 +314,10 @@ impl Bidirectional {
         if !direction.is_finite() {
             return None;
         }
-        let at_eye = turn(space, eye, direction, Transport::Radiance)?;
-        let at_light = turn(space, light, -direction, Transport::Importance)?;
+        // Before anything that costs more: about half of all pairs see each other's backs.
+        let (to_light, to_eye) = (before(eye, direction)?, before(light, -direction)?);
+        let at_eye = turn_to(space, eye, to_light, direction, Transport::Radiance)?;
+        let at_light = turn_to(space, light, to_eye, -direction, Transport::Importance)?;
         let distance_squared = f64::from(distance_squared);
         let eye_per_area = geometric_cos(eye, direction) / distance_squared;
         let light_per_area = geometric_cos(light, direction) / distance_squared;
