@@ -37,7 +37,7 @@ fn seen_from(height: f32, text: &str) -> f64 {
 
 #[test]
 fn the_camera_sees_the_wall_behind_a_hidden_lamp() {
-    for name in ["path", "direct", "bdpt", "ptracer"] {
+    for name in ["path", "direct", "bdpt"] {
         let depth = if name == "direct" { "" } else { " max_depth=2" };
         let behind_lamp = seen_from(0.9, &format!("{name}{depth}"));
         let through_lamp = seen_from(4.0, &format!("{name}{depth} hide_emitters=true"));

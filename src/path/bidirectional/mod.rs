@@ -18,7 +18,7 @@ pub use weighing::{Backlog, Departure, Weighing};
 use super::{PathSpace, PathVertex};
 use crate::accel::Ray;
 use crate::math::{Rgb, Vec2};
-use crate::random::Sampler;
+use crate::random::Numbers;
 use crate::sensor::{CameraRay, Sensor, SensorModel};
 
 /// How paths are traced from both sides.
@@ -145,7 +145,7 @@ impl Bidirectional {
         sample: &mut Bidirection<'s>,
         camera: (Vec2, &CameraRay),
         image: &LightImage,
-        [eye, light]: [&mut Sampler; 2],
+        [eye, light]: [&mut impl Numbers; 2],
         found: &mut impl FnMut(&Bidirection<'s>, &Connection),
     ) {
         let (raster, camera_ray) = camera;
@@ -171,7 +171,7 @@ impl Bidirectional {
         space: &PathSpace<'s>,
         sample: &mut Bidirection<'s>,
         image: &LightImage,
-        light: &mut Sampler,
+        light: &mut impl Numbers,
         alone: bool,
         found: &mut impl FnMut(&Bidirection<'s>, &Connection),
     ) {
@@ -194,7 +194,7 @@ impl Bidirectional {
         space: &PathSpace<'s>,
         sample: &mut Bidirection<'s>,
         camera: (Vec2, &CameraRay),
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
     ) -> f32 {
         let image = LightImage { paths: 1.0 };
         self.trace_eye(space, camera, &image, sampler, &mut sample.eye);
@@ -206,7 +206,7 @@ impl Bidirectional {
         &self,
         space: &PathSpace<'s>,
         limit: u32,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
         sample: &mut Bidirection<'s>,
     ) {
         let lens = space.sensor.sample_lens(sampler.next_2d());
@@ -219,7 +219,7 @@ impl Bidirectional {
         &self,
         space: &PathSpace<'_>,
         sample: &mut Bidirection<'s>,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
         found: &mut impl FnMut(&Bidirection<'s>, &Connection),
     ) {
         self.drop_weak(sample, sampler);
@@ -239,7 +239,7 @@ impl Bidirectional {
     /// others by as much.
     ///
     /// Source: van Antwerpen 2011, Sec. 5.1.
-    fn drop_weak(&self, sample: &mut Bidirection<'_>, sampler: &mut Sampler) {
+    fn drop_weak(&self, sample: &mut Bidirection<'_>, sampler: &mut impl Numbers) {
         if self.connection_threshold <= 0.0 {
             return;
         }

@@ -7,7 +7,7 @@ use crate::bsdf::{BsdfModel, Lobe, Transport};
 use crate::emitter::{EmitterClass, EmitterModel};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::path::{Event, PathSpace, PathVertex};
-use crate::random::Sampler;
+use crate::random::Numbers;
 use crate::scene::{ChosenRay, Interaction};
 use crate::sensor::CameraRay;
 
@@ -79,7 +79,7 @@ impl Bidirectional {
         space: &PathSpace<'s>,
         (raster, camera_ray): (Vec2, &CameraRay),
         image: &LightImage,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
         subpath: &mut EyeSubpath<'s>,
     ) {
         subpath.vertices.clear();
@@ -103,6 +103,7 @@ impl Bidirectional {
                 Some(flight) => self.arrive(flight, &met),
                 None => first(&PathVertex::surface(&met, Event::Finite)),
             };
+            sampler.begin_vertex(depth);
             let is_sampled = met.lobes.finite && depth < self.max_depth;
             subpath.vertices.push(SubVertex {
                 met,
@@ -206,7 +207,7 @@ impl Bidirectional {
         &self,
         space: &PathSpace<'s>,
         limit: u32,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
         subpath: &mut LightSubpath<'s>,
     ) {
         subpath.vertices.clear();
@@ -243,6 +244,7 @@ impl Bidirectional {
             let Some(vertex) = subpath.vertices.last_mut() else {
                 return;
             };
+            sampler.begin_vertex(count - 1);
             let next = self.scatter(space, vertex, Transport::Importance, sampler);
             let Some(next) = next.and_then(|next| self.survive(count - 1, next, sampler)) else {
                 return;
@@ -309,7 +311,7 @@ impl Bidirectional {
         space: &PathSpace<'_>,
         vertex: &mut SubVertex<'_>,
         transport: Transport,
-        sampler: &mut Sampler,
+        sampler: &mut impl Numbers,
     ) -> Option<Flight> {
         let met = &vertex.met;
         let u_lobe = if met.lobes.single {
@@ -360,7 +362,12 @@ impl Bidirectional {
     /// it begins depends on the number of edges, which the other side's subpath does not know.
     ///
     /// - `edges`: of the subpath up to the vertex.
-    fn survive(&self, edges: u32, mut flight: Flight, sampler: &mut Sampler) -> Option<Flight> {
+    fn survive(
+        &self,
+        edges: u32,
+        mut flight: Flight,
+        sampler: &mut impl Numbers,
+    ) -> Option<Flight> {
         if edges < self.rr_depth {
             return Some(flight);
         }
