@@ -1,26 +1,21 @@
 //! Pictures by bidirectional path tracing and by light tracing are those of path tracing.
 
-use lumiflow::bsdf::{Conductor, Dielectric, Diffuse, MicrofacetKind, Mixture, Null, RelativeIor};
-use lumiflow::bsdf::{RoughConductor, Roughness};
-use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
+use lumiflow::bsdf::Conductor;
 use lumiflow::film::{Filter, FilterKind, Window};
 use lumiflow::integrator::PixelSettings;
-use lumiflow::math::{Mat3, Mat4, Rgb, Vec2, Vec3};
+use lumiflow::math::{Mat4, Vec3};
 use lumiflow::random::SamplerKind;
-use lumiflow::scene::{Scene, SceneBuilder};
-use lumiflow::texture::Checkerboard;
 
 use crate::determinism::{bits, cut, on_threads};
 use crate::support::effort::{level, samples, seed};
 use crate::support::hard_scenes::{self, View};
 use crate::support::render::{Replicas, integrator, mean, picture, run, settings, tiles};
-use crate::support::scenes::{
-    Part, camera, cornell, cornell_camera, faceted_sphere, part, rectangle, scene, sphere,
-    thin_lens,
+use crate::support::scenes::{camera, cornell, cornell_camera, part, scene, sphere};
+use crate::support::stages::SIDE;
+use crate::support::two_sided_light::{
+    caustic, lamp, metals, outdoors, patterned, points, seen_by, through_a_lens,
 };
-use crate::support::stages::stage_of;
 
-const SIDE: u32 = 16;
 const REPLICAS: u64 = 16;
 /// Chance that a right program fails one of these tests with another seed.
 const LEVEL: f64 = 1e-3;
@@ -50,137 +45,6 @@ fn check(view: &View, common: &str, others: &[&str]) -> Result<(), String> {
         Ok(())
     } else {
         Err(errors.join("\n"))
-    }
-}
-
-fn white() -> Diffuse {
-    Diffuse::new(Rgb::new(0.7, 0.7, 0.6))
-}
-
-fn floor(bsdf: impl Into<lumiflow::bsdf::Bsdf>) -> Part {
-    part(rectangle(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0), bsdf)
-}
-
-fn lamp(middle: Vec3) -> Part {
-    let shape = rectangle(middle, Vec3::X * 0.4, Vec3::Z * 0.3);
-    part(shape, Diffuse::new(0.3)).glowing(Rgb::new(8.0, 6.0, 5.0))
-}
-
-fn view(name: &'static str, scene: Scene) -> View {
-    View {
-        name,
-        scene,
-        sensor: camera(
-            Vec3::new(-0.3, 1.6, 2.2),
-            Vec3::new(0.0, 0.2, 0.0),
-            50.0,
-            SIDE,
-        ),
-    }
-}
-
-fn glass() -> Dielectric {
-    Dielectric::new(RelativeIor::new(1.5, 1.0).expect("positive"), 1.0, 1.0)
-}
-
-fn metal(alpha: f32) -> RoughConductor {
-    let roughness = Roughness::isotropic(MicrofacetKind::Ggx, alpha);
-    RoughConductor::new(roughness, None, Rgb::new(0.9, 0.7, 0.5))
-}
-
-/// The light that a glass ball gathers; the ball itself is not in the picture.
-fn caustic() -> View {
-    let ball = part(sphere(Vec3::new(0.0, 0.8, 0.0), 0.4), glass());
-    View {
-        name: "caustic",
-        scene: scene([floor(white()), ball, lamp(Vec3::Y * 2.0)], |_| {}),
-        sensor: camera(Vec3::new(0.0, 0.9, 2.6), Vec3::Y * -0.1, 20.0, SIDE),
-    }
-}
-
-/// Rough metal, and a ball of few facets with normals as if it were round.
-fn metals() -> View {
-    let place = Mat4::from_translation(Vec3::new(-0.5, 0.5, 0.0));
-    let facets = faceted_sphere(5, place * Mat4::from_scale(Vec3::splat(0.45)));
-    let parts = [
-        floor(metal(0.4)),
-        part(facets, white()),
-        part(sphere(Vec3::new(0.6, 0.45, 0.0), 0.4), metal(0.2)),
-        lamp(Vec3::new(0.2, 1.8, 0.0)),
-    ];
-    view("metals", scene(parts, |_| {}))
-}
-
-/// Light from a lamp with squares on it, through a pane with holes.
-fn patterned() -> View {
-    let mut builder = SceneBuilder::new();
-    let squares = |a: f32, b: f32| {
-        let colours = [Rgb::new(a, 0.5 * a, 0.2 * a), Rgb::new(b, b, 2.0 * b)];
-        Checkerboard::new(colours, Mat3::from_scale(Vec2::splat(3.0)))
-    };
-    let pane = rectangle(Vec3::Y * 0.9, Vec3::Z * 0.5, Vec3::X * 0.5);
-    let half = Mixture::new([(0.6, white().into()), (0.4, Null.into())]);
-    let floor = floor(Diffuse::new(squares(0.2, 0.4)));
-    let lamp = lamp(Vec3::new(0.0, 1.7, 0.0));
-    for (part, radiance) in [
-        (floor, None),
-        (part(pane, half.expect("the weights add up")), None),
-        (lamp, Some(squares(12.0, 0.5).into())),
-    ] {
-        let bsdf = builder.add_bsdf(part.bsdf);
-        let added = builder.add_shape(part.shape, bsdf, radiance);
-        added.expect("the shape has an area");
-    }
-    view("patterned", builder.build().expect("a scene"))
-}
-
-fn blocks() -> [Part; 3] {
-    let wall = rectangle(Vec3::new(0.0, 1.0, -1.0), Vec3::X * 2.0, Vec3::Y * 1.0);
-    let ball = sphere(Vec3::new(0.1, 0.5, 0.0), 0.45);
-    [floor(white()), part(wall, white()), part(ball, white())]
-}
-
-/// Lights that no ray meets.
-fn points() -> View {
-    let lights = |builder: &mut SceneBuilder| {
-        builder.add_emitter(Point::new(Vec3::new(0.8, 1.2, 0.8), Rgb::grey(1.0)));
-        let place = Mat4::from_translation(Vec3::new(-0.8, 1.5, 0.5));
-        let aim = place * Mat4::from_rotation_x(1.9);
-        let spot = Spot::new(aim, Rgb::new(3.0, 2.0, 1.0), Beam::new(1.0), None);
-        builder.add_emitter(spot.expect("the lamp is one"));
-    };
-    view("points", scene(blocks(), lights))
-}
-
-/// Light from infinity.
-fn outdoors() -> View {
-    let lights = |builder: &mut SceneBuilder| {
-        builder.add_emitter(Constant::new(Rgb::new(0.5, 0.6, 0.8)));
-        let sun = Directional::new(Vec3::new(-1.0, -2.0, -0.5), Rgb::grey(1.5));
-        builder.add_emitter(sun.expect("the sun shines somewhere"));
-    };
-    view("outdoors", scene(blocks(), lights))
-}
-
-fn through_a_lens() -> View {
-    View {
-        sensor: thin_lens(
-            Vec3::new(-0.3, 1.6, 2.2),
-            Vec3::new(0.0, 0.2, 0.0),
-            (50.0, SIDE),
-            (0.3, 2.0),
-        ),
-        ..metals()
-    }
-}
-
-/// Seen by the sensor of one of the stages, whose films are as wide as ours.
-fn seen_by(stage: &'static str) -> View {
-    let stage = stage_of(stage);
-    View {
-        name: stage.name,
-        sensor: stage.sensor,
-        ..metals()
     }
 }
 
@@ -242,6 +106,27 @@ fn mirrors_and_glass_are_seen_as_by_path_tracing() -> Result<(), String> {
             "max_depth=6",
             &["bdpt rr_depth=2 connection_roulette=0.1"],
         )?;
+    }
+    Ok(())
+}
+
+/// Chains whose seeds come from both sides.
+const SEEDED: [&str; 4] = [
+    "erpt seeds=bdpt rr_depth=2 chain_length=20 mutations_per_sample=4",
+    "erpt seeds=bdpt rr_depth=2 flow=detailed chain_length=3 separate_direct=false",
+    "erpt seeds=bdpt rr_depth=3 chain_length=10 mutations_per_sample=4 direct_samples=1",
+    "pmc-er seeds=bdpt rr_depth=2 population=100 rounds=3 mutations=5 mutations_per_sample=4",
+];
+
+#[test]
+fn chains_from_seeds_of_both_sides_are_those_of_path_tracing() -> Result<(), String> {
+    for view in [
+        hard_scenes::indirect(SIDE),
+        hard_scenes::glass_caustic(SIDE, 1.0),
+        points(),
+        through_a_lens(),
+    ] {
+        check(&view, "max_depth=5", &SEEDED)?;
     }
     Ok(())
 }
@@ -319,11 +204,12 @@ fn filters() -> [Filter; 2] {
     ]
 }
 
-const RENDERS: [&str; 4] = [
+const RENDERS: [&str; 5] = [
     "bdpt max_depth=6 connection_roulette=0.5",
     "bdpt max_depth=4 light_image=false",
     "bdpt max_depth=4 sample_direct=false rr_depth=1",
     "ptracer max_depth=6",
+    "erpt seeds=bdpt max_depth=5 chain_length=4 mutations_per_sample=2",
 ];
 
 #[test]
@@ -359,7 +245,8 @@ fn a_window_shows_what_the_whole_film_shows_there() {
         width,
         height,
     };
-    for text in RENDERS {
+    // A window leaves out the seeds of chains outside of it.
+    for text in RENDERS.into_iter().filter(|text| !text.starts_with("erpt")) {
         let algorithm = integrator(text);
         let render = |settings| run(&scene, &sensor, &*algorithm, settings, 3);
         for filter in filters() {

@@ -5,7 +5,7 @@ use lumiflow::emitter::EmitterClass;
 use lumiflow::math::Vec2;
 use lumiflow::path::{
     Bidirection, Bidirectional, Connection, Event, LightImage, Path, PathSpace, Techniques,
-    VertexKind, Weighing, camera_sample,
+    Tolerance, VertexKind, Weighing, camera_sample,
 };
 use lumiflow::random::{PixelAddress, Purpose, Sampler, SamplerKind};
 
@@ -147,6 +147,27 @@ fn planted_errors_of_densities_are_found() {
         };
         let worst = all.iter().map(share).fold(0.0, f64::max);
         assert!(worst > 0.05, "{mistake:?}: {worst}");
+    }
+}
+
+#[test]
+fn paths_of_two_subpaths_are_what_they_say() {
+    for stage in stages() {
+        let space = space(&stage);
+        let mut path = Path::default();
+        let (mut count, mut broken) = (0, Vec::new());
+        for sample in 0..100 {
+            let tracing = tracing(Weighing::Balance);
+            trace(&tracing, &space, (seed(33), sample), |both, found| {
+                if both.assemble(&space, found, &mut path) {
+                    count += 1;
+                    let checked = path.verify(&space, &Tolerance::default());
+                    broken.extend(checked.err());
+                }
+            });
+        }
+        let share = broken.len() as f64 / f64::from(count);
+        assert!(count > 30 && share < 0.01, "{}: {broken:?}", stage.name);
     }
 }
 

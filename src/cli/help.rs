@@ -204,6 +204,10 @@ const OPTIONS: &[(&str, &str)] = &[
         "how often detailed balance is applied to its own results",
     ),
     (
+        "seeds",
+        "where paths come from: path (path tracing) or bdpt (each connection of subpaths from both sides)",
+    ),
+    (
         "separate_direct",
         "light of one bounce by path tracing, in a layer of its own",
     ),

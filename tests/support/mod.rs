@@ -16,3 +16,4 @@ pub(crate) mod seeds;
 pub(crate) mod source_code;
 pub(crate) mod stages;
 pub(crate) mod techniques;
+pub(crate) mod two_sided_light;

@@ -41,7 +41,7 @@ impl Bdpt {
                     light_image: options.boolean("light_image", true)?,
                     sample_direct: options.boolean("sample_direct", true)?,
                 },
-                ..tracing(options)?
+                ..tracing(options, 2)?
             },
             rules: rules(options)?,
             connection_roulette: options.float("connection_roulette", 0.0..=1e6, 0.0)?,
@@ -55,7 +55,7 @@ impl Bdpt {
     /// A value of the wrong kind or out of range.
     pub fn light_tracing(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
         Ok(Self {
-            tracing: tracing(options)?,
+            tracing: tracing(options, 5)?,
             rules: rules(options)?,
             connection_roulette: 0.0,
             light_only: true,
@@ -64,10 +64,13 @@ impl Bdpt {
 }
 
 /// Reads how far paths go.
-fn tracing(options: &mut OptionReader<'_>) -> Result<Bidirectional, OptionError> {
+///
+/// - `rr_depth`: its default. Between two subpaths there are as many connections as pairs of vertices, so that
+///   short ones serve best: `docs/bdpt.md`.
+fn tracing(options: &mut OptionReader<'_>, rr_depth: i64) -> Result<Bidirectional, OptionError> {
     Ok(Bidirectional {
         max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
-        rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
+        rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, rr_depth)?),
         weighing: Weighing::Balance,
         techniques: Techniques {
             light_image: true,

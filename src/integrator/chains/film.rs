@@ -142,6 +142,8 @@ impl<'s> ChainFilm<'s> {
     /// Traces the camera sample of a pixel, and the further ones of direct light; hands out every path whose
     /// energy goes to chains. Returns where the sample is seen.
     ///
+    /// Seeds from both sides may be seen elsewhere.
+    ///
     /// - `path`: working memory.
     /// - `spread`: spreads the energy of a seed; false where it cannot, so that it lands where it is.
     pub(in crate::integrator) fn sample_pixel(
@@ -157,20 +159,34 @@ impl<'s> ChainFilm<'s> {
         let raster = sample.raster;
         let landing = self.landing(layers);
         let mut direct = Rgb::BLACK;
-        let mut take = |found: Found<'_>| {
+        let mut take = |shown: Option<Vec2>, found: Found<'_>| {
             if !self.seeds.goes_to_chains(found.edges) {
-                direct += found.energy;
+                match (shown, self.places.direct) {
+                    (Some(raster), Some(place)) => {
+                        let value = (found.energy * self.direct_weight()).to_array();
+                        layers[place].add(&settings.filter, raster, value);
+                    }
+                    _ => direct += found.energy,
+                }
                 return;
             }
             let energy = found.luminance();
             let seed = found.path.filter(|_| energy > 0.0 && energy.is_finite());
             if !seed.is_some_and(|seed| spread(seed, energy)) {
-                landing.land_unmoved(raster, found.energy);
+                landing.land_unmoved(shown.unwrap_or(raster), found.energy);
             }
         };
-        let camera = (raster, &sample.ray);
-        let tracing = &self.seeds.tracing;
-        let alpha = tracing.trace(space, path, camera, &mut sample.sampler, &mut take);
+        let alpha = match &self.seeds.both_sides {
+            Some(tracing) => {
+                let workers = (space, &mut *path);
+                self.trace_both_sides(tracing, (pixel, pass), workers, &mut sample, &mut take)
+            }
+            None => {
+                let (camera, tracing) = ((raster, &sample.ray), &self.seeds.tracing);
+                let mut take = |found: Found<'_>| take(None, found);
+                tracing.trace(space, path, camera, &mut sample.sampler, &mut take)
+            }
+        };
         if let Some(place) = self.places.direct {
             let value = (direct * self.direct_weight()).to_array();
             layers[place].add(&settings.filter, raster, value);

@@ -1,6 +1,7 @@
 //! What all algorithms share that run Markov chains of paths: where seeds come from, how paths are
 //! mutated, where energy lands.
 
+mod both_sides;
 mod energy;
 mod film;
 mod layers;

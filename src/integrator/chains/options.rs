@@ -2,7 +2,7 @@
 
 use super::noise_filter::NoiseFilter;
 use crate::integrator::path::depth_limit;
-use crate::path::{PathRules, PathTracing};
+use crate::path::{Bidirectional, PathRules, PathTracing, Techniques, Weighing};
 use crate::scene::options::{OptionError, OptionReader};
 
 /// How seeds are found, and how much energy a deposit has.
@@ -10,6 +10,8 @@ use crate::scene::options::{OptionError, OptionReader};
 pub(in crate::integrator) struct SeedOptions {
     /// How seeds are traced.
     pub(in crate::integrator) tracing: PathTracing,
+    /// How they are traced from both sides; `None` to trace them from the sensor alone.
+    pub(super) both_sides: Option<Bidirectional>,
     /// What paths are.
     pub(in crate::integrator) rules: PathRules,
     /// Mutations for each camera sample, in the mean.
@@ -42,6 +44,7 @@ impl SeedOptions {
         let deposition_energy = options.float("deposition_energy", 0.0..=f64::INFINITY, 0.0)?;
         let luminance_samples = options.integer("luminance_samples", 0..=1 << 28, 0)?;
         Ok(Self {
+            both_sides: both_sides(options, &tracing)?,
             tracing,
             rules,
             mutations_per_sample,
@@ -67,6 +70,7 @@ impl SeedOptions {
         let direct = options.integer("direct_samples", -1..=1 << 16, 1)?;
         Ok(Self {
             tracing: tracing(options)?,
+            both_sides: None,
             rules: rules(options)?,
             mutations_per_sample: 1.0,
             deposition_energy: None,
@@ -101,6 +105,24 @@ fn tracing(options: &mut OptionReader<'_>) -> Result<PathTracing, OptionError> {
         rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
         heuristic: crate::integrator::heuristic(options)?,
     })
+}
+
+/// Reads whether seeds are traced from both sides.
+fn both_sides(
+    options: &mut OptionReader<'_>,
+    tracing: &PathTracing,
+) -> Result<Option<Bidirectional>, OptionError> {
+    let seeds = options.choice("seeds", &["path", "bdpt"], "path")?;
+    Ok((seeds == "bdpt").then(|| Bidirectional {
+        max_depth: tracing.max_depth,
+        rr_depth: tracing.rr_depth,
+        weighing: Weighing::new(tracing.heuristic, 2.0),
+        techniques: Techniques {
+            light_image: true,
+            sample_direct: true,
+        },
+        connection_threshold: 0.0,
+    }))
 }
 
 /// Reads what paths are.
