@@ -101,13 +101,15 @@ fn enclosures_in_balance_have_radiance_one() -> Result<(), String> {
 }
 
 /// Chains under every flow rule.
-const CHAINS: [&str; 8] = [
+const CHAINS: [&str; 10] = [
     "erpt chain_length=20 mutations_per_sample=20",
     "erpt chain_length=5 mutations_per_sample=20 expected_values=false separate_direct=false",
     "erpt flow=detailed chain_length=3 separate_direct=false",
     "erpt flow=iterated flow_depth=3 mutations_per_sample=4 direct_samples=4",
     "pmc-er population=100 rounds=3 mutations=5 mutations_per_sample=20",
     "pmc-er population=100 transfer=balance mutations_per_sample=10 separate_direct=false",
+    "mlt mutations_per_pixel=20 luminance_samples=256",
+    "mlt mutations_per_pixel=20 luminance_samples=256 bidirectional_weight=5 separate_direct=false",
     "pssmlt mutations_per_pixel=20 luminance_samples=256",
     "pssmlt mutations_per_pixel=20 luminance_samples=256 deposits=expected target=path separate_direct=false",
 ];

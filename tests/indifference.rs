@@ -3,7 +3,7 @@
 
 use lumiflow::bsdf::{Bsdf, Diffuse, Plastic, RelativeIor};
 use lumiflow::math::{Mat3, Rgb, Vec2, Vec3};
-use lumiflow::mutation::{Chain, Choice, Mutate, Mutation};
+use lumiflow::mutation::{Chain, Choice, Move, Mutate, Mutation};
 use lumiflow::path::{Generation, Heuristic, Path, PathSpace, PathTracing, Technique};
 use lumiflow::scene::SceneBuilder;
 use lumiflow::shape::Shape;
@@ -81,7 +81,10 @@ fn chain_of(space: &PathSpace<'_>, seed: &Path, sample: u32) -> Vec<[u64; 4]> {
             bits.push([0; 4]);
             continue;
         };
-        let target = proposed.mutation.target(space, &moves(), chain.proposal());
+        let Move::Perturbation(mutation) = proposed.made_by else {
+            panic!("no other move was asked for");
+        };
+        let target = mutation.target(space, &moves(), chain.proposal());
         let raster = chain.proposal().raster().as_dvec2();
         let numbers = [target, proposed.acceptance, raster.x, raster.y];
         bits.push(numbers.map(f64::to_bits));

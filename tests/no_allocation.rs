@@ -190,6 +190,10 @@ fn more_mutations_need_no_more_allocations() {
             "erpt flow=iterated flow_depth=8 mutations_per_sample=20",
         ),
         (
+            "mlt chains=4 mutations_per_pixel=1 luminance_samples=500",
+            "mlt chains=4 mutations_per_pixel=30 luminance_samples=500",
+        ),
+        (
             "pssmlt chains=4 mutations_per_pixel=1 luminance_samples=500",
             "pssmlt chains=4 mutations_per_pixel=30 luminance_samples=500",
         ),

@@ -5,6 +5,7 @@ mod antialiasing;
 mod balance;
 mod bdpt;
 mod bidirectional;
+mod bidirectional_mutation;
 mod chi_square;
 mod cli;
 mod density_forms;

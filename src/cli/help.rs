@@ -167,6 +167,10 @@ const OPTIONS: &[(&str, &str)] = &[
         "chains of a pass; 0 makes each about a thousand mutations long",
     ),
     (
+        "noise_aware",
+        "draw chains to where passes before were noisy",
+    ),
+    (
         "p_large",
         "chance of a large step, which takes fresh numbers (Mitsuba: pLarge)",
     ),
@@ -234,6 +238,14 @@ const OPTIONS: &[(&str, &str)] = &[
     (
         "caustic_perturbation",
         "mutation: turn light before it reaches what is seen (Mitsuba: causticPerturbation)",
+    ),
+    (
+        "bidirectional_mutation",
+        "mutation: take a piece out and put another in (Mitsuba: bidirectionalMutation)",
+    ),
+    (
+        "bidirectional_weight",
+        "weight of the mutation beside those of one kind of path",
     ),
     ("lens_weight", "weight of the mutation where several apply"),
     (

@@ -145,10 +145,14 @@ pub fn chain_count(energy: f64, deposit: f64, length: u32, u: f64) -> u32 {
     (energy / (deposit * f64::from(length)) + u).floor() as u32
 }
 
-/// One chain of equal deposition.
+/// One chain of equal deposition, from where the walker is.
+///
+/// - `length`: number of steps.
+/// - `deposit`: energy of each, as luminance.
+/// - `expected`: whether a step deposits at both states, in proportion to the chance of being there.
 ///
 /// Source: Cline et al. 2005, Fig. 6; van Antwerpen 2011, Alg. 8 for the expected values.
-pub(super) fn run_chain(walker: &mut impl Walker, length: u32, deposit: f64, expected: bool) {
+pub fn run_chain(walker: &mut impl Walker, length: u32, deposit: f64, expected: bool) {
     for _ in 0..length {
         let acceptance = walker.propose();
         if expected {

@@ -13,7 +13,7 @@ mod ring;
 mod tests;
 
 pub use adaptation::{AcceptanceTally, choose_kernel, kernel_weights};
-pub use flow::{FlowRule, Walker, chain_count};
+pub use flow::{FlowRule, Walker, chain_count, run_chain};
 pub use population::{
     Account, Births, Member, Population, PopulationRule, Scheme, Transfer, survival_probabilities,
 };

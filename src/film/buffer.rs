@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 
 use super::{Filter, Window};
-use crate::math::Vec2;
+use crate::math::{Rgb, Vec2};
 
 /// Value of one step of a layer's fixed-point numbers: a power of two.
 ///
@@ -104,6 +104,20 @@ impl PassBuffer {
     /// Number of estimates that were not finite or out of range.
     pub fn rejected(&self) -> u64 {
         self.rejected.load(Relaxed)
+    }
+
+    /// Luminance of each pixel, of the first three channels.
+    pub fn luminances(&mut self) -> Vec<f64> {
+        let unit = 1.0 / self.steps_per_one;
+        let weights = Rgb::LUMINANCE_WEIGHTS.to_array();
+        let luminance = |pixel: &mut [AtomicI64]| {
+            let channels = pixel.iter_mut().zip(weights);
+            let sum: f64 = channels
+                .map(|(sum, weight)| *sum.get_mut() as f64 * f64::from(weight))
+                .sum();
+            sum * unit
+        };
+        self.sums.chunks_mut(self.channels).map(luminance).collect()
     }
 
     /// The sums, for the accumulator to fold.

@@ -11,6 +11,7 @@ mod depth;
 mod direct;
 mod erpt;
 mod metropolis;
+mod mlt;
 mod path;
 mod pixel;
 mod pmc_er;
@@ -23,6 +24,7 @@ pub use bdpt::Bdpt;
 pub use depth::Depth;
 pub use direct::Direct;
 pub use erpt::Erpt;
+pub use mlt::Mlt;
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
 pub use pmc_er::PmcEr;
@@ -56,7 +58,7 @@ pub trait Algorithm: Send + Sync {
 }
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
-pub const NAMES: [(&str, &str); 8] = [
+pub const NAMES: [(&str, &str); 9] = [
     ("path", "path tracing with multiple importance sampling"),
     ("direct", "direct light only"),
     ("bdpt", "bidirectional path tracing"),
@@ -64,6 +66,7 @@ pub const NAMES: [(&str, &str); 8] = [
     ("depth", "distance to the first surface"),
     ("erpt", "energy redistribution path tracing"),
     ("pmc-er", "population Monte Carlo energy redistribution"),
+    ("mlt", "Metropolis light transport"),
     (
         "pssmlt",
         "Metropolis light transport in primary sample space",
@@ -96,6 +99,7 @@ pub fn from_options(
         "ptracer" => Ok(Box::new(Bdpt::light_tracing(options)?)),
         "erpt" => Ok(Box::new(Erpt::from_options(options)?)),
         "pmc-er" => Ok(Box::new(PmcEr::from_options(options)?)),
+        "mlt" => Ok(Box::new(Mlt::from_options(options)?)),
         "pssmlt" => Ok(Box::new(Pssmlt::from_options(options)?)),
         _ => Ok(Box::new(pixel_integrator(name, options)?)),
     }

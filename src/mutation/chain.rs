@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::{Choose, Fault, MoveStatistics, Mutate, Mutation, Perturbation};
+use super::{
+    BidirectionalMutation, Choose, Fault, Move, MoveStatistics, Mutate, Mutation, Perturbation,
+};
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
@@ -10,14 +12,14 @@ use crate::random::Stream;
 /// A proposal that may become the current path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposed {
-    /// The mutation that made it.
-    pub mutation: Mutation,
+    /// What made it.
+    pub made_by: Move,
     /// The probability with which it is to be accepted.
     pub acceptance: f64,
     /// Its [`Path::value`].
     pub value: DVec3,
-    /// Its target in the mutation's coordinates.
-    target: f64,
+    /// Its target in the coordinates of the perturbation that made it.
+    target: Option<f64>,
 }
 
 /// A chain of paths: the current one, a proposal, and what is known about them.
@@ -93,7 +95,7 @@ impl Chain {
         self.tried = (has_moved && settings.domain.contains(raster)).then_some(raster);
         if let Err(reason) = proposed {
             statistics.reject(reason);
-            self.restore(mutation);
+            self.restore(Move::Perturbation(mutation));
             return None;
         }
         let value = self.proposal.value();
@@ -115,14 +117,59 @@ impl Chain {
         };
         self.statistics[mutation as usize].propose(acceptance);
         if acceptance == 0.0 {
-            self.restore(mutation);
+            self.restore(Move::Perturbation(mutation));
             return None;
         }
         Some(Proposed {
-            mutation,
+            made_by: Move::Perturbation(mutation),
             acceptance,
             value,
-            target,
+            target: Some(target),
+        })
+    }
+
+    /// Makes a proposal that may have another length; as [`Chain::propose`].
+    ///
+    /// - `chance`: probability with which the mutation is chosen at a path.
+    pub fn propose_bidirectional(
+        &mut self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        (mutation, chance): (&mut BidirectionalMutation, impl Fn(&Path) -> f64),
+        random: &mut Stream,
+    ) -> Option<Proposed> {
+        self.tried = None;
+        if !settings.domain.contains(self.current.raster()) {
+            return None;
+        }
+        let paths = (&self.current, &mut self.proposal);
+        let made = mutation.propose(space, settings, paths, random);
+        let statistics = &mut self.statistics[Move::Bidirectional.index()];
+        let ratio = match made {
+            Ok(ratio) => ratio * chance(&self.proposal) / chance(&self.current),
+            Err(reason) => {
+                statistics.reject(reason);
+                self.restore(Move::Bidirectional);
+                return None;
+            }
+        };
+        self.tried = Some(self.proposal.raster());
+        // Not a number, infinite or zero: nothing that a chain could go to.
+        let acceptance = if ratio.is_finite() {
+            ratio.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        statistics.propose(acceptance);
+        if acceptance == 0.0 {
+            self.restore(Move::Bidirectional);
+            return None;
+        }
+        Some(Proposed {
+            made_by: Move::Bidirectional,
+            acceptance,
+            value: self.proposal.value(),
+            target: None,
         })
     }
 
@@ -130,22 +177,32 @@ impl Chain {
     #[inline]
     pub fn settle(&mut self, proposed: Proposed, is_accepted: bool) {
         if !is_accepted {
-            return self.restore(proposed.mutation);
+            return self.restore(proposed.made_by);
         }
-        let index = proposed.mutation as usize;
+        let index = proposed.made_by.index();
         self.statistics[index].accepted += 1;
-        if let Some(last) = proposed.mutation.last_changed(&self.current) {
-            self.current.copy_prefix(&self.proposal, last);
-        }
         self.targets = [None; Mutation::COUNT];
-        self.targets[index] = Some(proposed.target);
+        match proposed.made_by {
+            Move::Perturbation(mutation) => {
+                if let Some(last) = mutation.last_changed(&self.current) {
+                    self.current.copy_prefix(&self.proposal, last);
+                }
+                self.targets[index] = proposed.target;
+            }
+            _ => self.current.copy_from(&self.proposal),
+        }
     }
 
     /// Makes the proposal equal to the current path again.
     #[inline]
-    fn restore(&mut self, mutation: Mutation) {
-        if let Some(last) = mutation.last_changed(&self.current) {
-            self.proposal.copy_prefix(&self.current, last);
+    fn restore(&mut self, made_by: Move) {
+        match made_by {
+            Move::Perturbation(mutation) => {
+                if let Some(last) = mutation.last_changed(&self.current) {
+                    self.proposal.copy_prefix(&self.current, last);
+                }
+            }
+            _ => self.proposal.copy_from(&self.current),
         }
     }
 }

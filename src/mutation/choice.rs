@@ -94,6 +94,12 @@ impl ChoiceAt {
         self.total <= 0.0
     }
 
+    /// Sum of the weights of the mutations that may be chosen.
+    #[inline]
+    pub fn total(&self) -> f64 {
+        f64::from(self.total)
+    }
+
     /// Probability of choosing a mutation.
     #[inline]
     pub fn probability(&self, mutation: Mutation) -> f64 {

@@ -8,6 +8,7 @@
 //!
 //! A new mutation is a file and a line in `mutations!`. The tests of balance pick it up.
 
+mod bidirectional;
 mod caustic;
 mod chain;
 mod choice;
@@ -25,6 +26,7 @@ mod ratio;
 mod rejection;
 mod statistics;
 
+pub use bidirectional::{BidirectionalMutation, SectionFault};
 pub use caustic::{CausticKernel, CausticPerturbation};
 pub use chain::{Chain, Proposed};
 pub use choice::{Choice, ChoiceAt, Choose};
@@ -73,6 +75,12 @@ pub struct RasterDomain {
 }
 
 impl RasterDomain {
+    /// Its area in pixels.
+    pub fn pixels(&self) -> f64 {
+        let size = self.high - self.low;
+        f64::from(size.x) * f64::from(size.y)
+    }
+
     /// True for positions in the domain.
     #[inline]
     pub fn contains(&self, raster: Vec2) -> bool {

@@ -101,7 +101,7 @@ impl PathSpace<'_> {
 
     /// Density with which the path tracer samples the direction of a finite vertex to the next, in
     /// 1/sr, or the probability of its Dirac component: `p_d` and `p_s`.
-    fn scattering_density(&self, path: &Path, index: usize) -> Option<f64> {
+    pub(super) fn scattering_density(&self, path: &Path, index: usize) -> Option<f64> {
         if path.vertices()[index].event.is_dirac() {
             return Some(f64::from(self.selection(path, index)?.probability));
         }
@@ -117,7 +117,7 @@ impl PathSpace<'_> {
 
     /// Density with which the path tracer samples a light's vertex: in 1/m² on a surface, in 1/sr in an
     /// environment, the probability of a Dirac light: `p_light · p_area`.
-    fn light_density(&self, from: &PathVertex, light: &PathVertex) -> Option<f64> {
+    pub(super) fn light_density(&self, from: &PathVertex, light: &PathVertex) -> Option<f64> {
         let (id, lights) = (light.emitter()?, self.scene.lights());
         let from_point = from.position();
         Some(match light.event {

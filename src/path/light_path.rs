@@ -59,6 +59,12 @@ impl Path {
         self.len -= 1;
     }
 
+    /// Keeps the first vertices only.
+    #[inline]
+    pub fn truncate(&mut self, len: usize) {
+        self.len = self.len.min(len);
+    }
+
     /// The vertices, sensor first.
     #[inline]
     pub fn vertices(&self) -> &[PathVertex] {

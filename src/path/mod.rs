@@ -10,6 +10,7 @@ mod bidirectional;
 mod density;
 mod light_path;
 mod mis;
+mod section;
 mod space;
 mod tracer;
 mod verify;

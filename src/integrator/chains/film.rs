@@ -5,11 +5,12 @@ use super::{Places, SeedOptions};
 use crate::film::{Filter, Layer, PassBuffer, Unit};
 use crate::integrator::aov;
 use crate::integrator::camera::{CameraSample, SampledWindow};
+use crate::integrator::metropolis::Importance;
 use crate::integrator::pixel::PixelSettings;
 use crate::math::{Rgb, Vec2};
 use crate::mutation::RasterDomain;
-use crate::path::{Found, Path, PathSpace, PathTracing};
-use crate::random::{Purpose, SamplerKind};
+use crate::path::{Found, Path, PathSpace, PathTracing, camera_sample};
+use crate::random::{Numbers, Purpose, SamplerKind};
 use crate::scene::Scene;
 use crate::sensor::{CameraRay, Sensor, SensorModel};
 
@@ -41,16 +42,28 @@ pub(in crate::integrator) struct Landing<'a> {
     filtered: Option<&'a PassBuffer>,
     proposals: Option<&'a PassBuffer>,
     acceptance: Option<&'a PassBuffer>,
+    /// What energy is divided by where it lands.
+    importance: Option<&'a Importance>,
     /// After how many steps in a row on one pixel the filtered layer takes no more energy.
     pub(super) consecutive_limit: Option<u32>,
 }
 
-impl Landing<'_> {
+impl<'a> Landing<'a> {
+    /// The same for energy that is counted times the importance of its place.
+    pub(in crate::integrator) fn divided_by(self, importance: &'a Importance) -> Self {
+        Self {
+            importance: Some(importance),
+            ..self
+        }
+    }
+
     /// Lets energy of a colour land.
     ///
     /// - `energy`: as luminance; the second number goes to the filtered layer.
     #[inline]
     pub(in crate::integrator) fn land(&self, raster: Vec2, colour: Rgb, energy: (f64, f64)) {
+        let weight = self.importance.map_or(1.0, |map| map.at(raster));
+        let energy = (energy.0 / weight, energy.1 / weight);
         if energy.0 > 0.0 {
             let value = (colour * energy.0 as f32).to_array();
             self.redistributed.add(self.filter, raster, value);
@@ -125,6 +138,39 @@ impl<'s> ChainFilm<'s> {
         PathSpace::new(self.scene, self.sensor, self.seeds.rules)
     }
 
+    /// Raster position of a point of the unit square, stretched over where paths are seen.
+    #[inline]
+    pub(in crate::integrator) fn raster_of(&self, place: Vec2) -> Vec2 {
+        self.domain.low + (self.domain.high - self.domain.low) * place
+    }
+
+    /// Traces a camera sample whose place is a point of the unit square, stretched over where paths are seen; hands
+    /// out every path whose energy goes to chains. Returns where the sample is seen.
+    ///
+    /// - `max_depth`: largest number of edges, beside the option's limit.
+    #[inline]
+    pub(in crate::integrator) fn trace_at(
+        &self,
+        place: Vec2,
+        (space, path): (&PathSpace<'_>, &mut Path),
+        max_depth: u32,
+        numbers: &mut impl Numbers,
+        found: &mut impl FnMut(Found<'_>),
+    ) -> Vec2 {
+        let raster = self.raster_of(place);
+        let ray = camera_sample(space, raster, numbers);
+        let tracing = PathTracing {
+            max_depth: max_depth.min(self.seeds.tracing.max_depth),
+            ..self.seeds.tracing
+        };
+        tracing.trace(space, path, (raster, &ray), numbers, &mut |path| {
+            if self.seeds.goes_to_chains(path.edges) {
+                found(path);
+            }
+        });
+        raster
+    }
+
     /// Where energy lands.
     pub(in crate::integrator) fn landing<'a>(&'a self, layers: &'a [PassBuffer]) -> Landing<'a> {
         let places = self.places;
@@ -135,6 +181,7 @@ impl<'s> ChainFilm<'s> {
             filtered: layer(places.filtered),
             proposals: layer(places.proposals),
             acceptance: layer(places.acceptance),
+            importance: None,
             consecutive_limit: self.seeds.noise_filter.consecutive_limit(),
         }
     }
@@ -302,6 +349,14 @@ impl<'s> ChainFilm<'s> {
         let bounds = self.scene.bounds();
         units.extend(self.settings.aovs.iter().map(|aov| aov.unit(bounds)));
         units
+    }
+
+    /// What chains have made in a pass.
+    pub(in crate::integrator) fn redistributed<'l>(
+        &self,
+        layers: &'l mut [PassBuffer],
+    ) -> &'l mut PassBuffer {
+        &mut layers[self.places.redistributed]
     }
 
     /// Ends a pass: the image is the sum of its parts.

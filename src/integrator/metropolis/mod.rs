@@ -7,10 +7,12 @@
 //! passes has no bias, however short they are.
 
 mod bootstrap;
+mod importance;
 mod options;
 mod render;
 
 pub(super) use bootstrap::Seed;
+pub(super) use importance::Importance;
 pub(super) use options::MetropolisOptions;
 pub(super) use render::{ChainPlan, MetropolisRender, Sampling};
 

@@ -11,6 +11,8 @@ pub(in crate::integrator) struct MetropolisOptions {
     chains: Option<u32>,
     /// Samples of the bootstrap set; `None` for as many as are worth their time.
     bootstrap_samples: Option<u32>,
+    /// Whether chains are drawn to where the noise is.
+    pub(super) noise_aware: bool,
 }
 
 /// Mutations of a chain, where no number of chains is given.
@@ -47,6 +49,7 @@ impl MetropolisOptions {
             mutations_per_pixel,
             chains: some(options.integer("chains", 0..=1 << 20, 0)?),
             bootstrap_samples: some(options.integer("luminance_samples", 0..=1 << 24, 0)?),
+            noise_aware: options.boolean("noise_aware", false)?,
         })
     }
 

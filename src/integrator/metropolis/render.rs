@@ -1,13 +1,14 @@
 //! The passes of Metropolis sampling.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::MetropolisOptions;
 use super::bootstrap::{BLOCK, Bootstrap, Cells, Seed, block};
+use super::importance::NoiseMap;
 use super::options::Work;
+use super::{Importance, MetropolisOptions};
 use crate::film::{Layer, PassBuffer, Unit, Window};
-use crate::integrator::chains::{ChainFilm, SeedOptions};
+use crate::integrator::chains::{ChainFilm, Landing, SeedOptions};
 use crate::integrator::pixel::PixelSettings;
 use crate::integrator::render::{Counters, Driver, Integrator};
 use crate::path::Path;
@@ -27,13 +28,20 @@ pub(in crate::integrator) struct ChainPlan<'a> {
     pub(in crate::integrator) chains: u32,
     /// Mutations of a chain.
     pub(in crate::integrator) length: u32,
-    /// Energy of a mutation's deposit, as luminance.
+    /// What the target is multiplied by, and what lands divided.
+    pub(in crate::integrator) importance: &'a Importance,
+    /// Energy of a mutation's deposit, as luminance times importance.
     pub(in crate::integrator) deposit: f64,
     /// Where energy lands.
     pub(in crate::integrator) layers: &'a [PassBuffer],
 }
 
-impl ChainPlan<'_> {
+impl<'a> ChainPlan<'a> {
+    /// Where the energy of chains lands.
+    pub(in crate::integrator) fn landing(&self) -> Landing<'a> {
+        self.film.landing(self.layers).divided_by(self.importance)
+    }
+
     /// The numbers that a bootstrap sample is made of.
     pub(in crate::integrator) fn bootstrap_numbers(&self, sample: u32) -> Stream {
         let seed = self.film.settings.seed;
@@ -47,15 +55,14 @@ impl ChainPlan<'_> {
 
     /// Number of pixels that paths are seen at.
     pub(in crate::integrator) fn pixels(&self) -> f64 {
-        let domain = &self.film.domain;
-        let size = domain.high - domain.low;
-        f64::from(size.x) * f64::from(size.y)
+        self.film.domain.pixels()
     }
 }
 
 /// What chains walk over.
 pub(in crate::integrator) trait Sampling: Sync {
-    /// Makes samples of the bootstrap set, and returns their luminances; zero for what is not finite.
+    /// Makes samples of the bootstrap set, and returns their luminances times importance; zero for what is
+    /// not finite.
     fn bootstrap(&self, plan: &ChainPlan<'_>, samples: Range<u32>) -> (Vec<f64>, Counters);
 
     /// Runs a chain.
@@ -69,6 +76,8 @@ pub(in crate::integrator) struct MetropolisRender<'s, S> {
     film: ChainFilm<'s>,
     work: Work,
     cells: Cells,
+    /// Changes between passes only.
+    noise: Option<Mutex<NoiseMap>>,
     sampling: S,
 }
 
@@ -90,10 +99,13 @@ impl<'s, S: Sampling> MetropolisRender<'s, S> {
         };
         let film = ChainFilm::new(scene, sensor, seeds, settings);
         let size = film.domain.high - film.domain.low;
-        let work = options.work(f64::from(size.x) * f64::from(size.y));
+        let work = options.work(film.domain.pixels());
         Self {
             cells: Cells::new(work.samples, size),
             work,
+            noise: options
+                .noise_aware
+                .then(|| Mutex::new(NoiseMap::new(film.domain))),
             sampling: sampling(&film),
             film,
         }
@@ -110,6 +122,17 @@ impl<'s, S: Sampling> MetropolisRender<'s, S> {
 
     fn bootstrap_units(&self) -> u32 {
         self.cells.count().div_ceil(BLOCK)
+    }
+
+    /// The weights for a pass.
+    fn importance(&self, pass: u32) -> Importance {
+        self.noise.as_ref().map_or_else(
+            || Importance::flat(&self.film.domain),
+            |noise| {
+                let mut noise = noise.lock().unwrap_or_else(PoisonError::into_inner);
+                noise.for_pass(pass)
+            },
+        )
     }
 
     fn run_pixels(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
@@ -152,12 +175,14 @@ impl<S: Sampling> Integrator for MetropolisRender<'_, S> {
             self.run_pixels(pass, unit, layers)
         })?;
         let samples = self.cells.count();
+        let importance = self.importance(pass);
         let mut plan = ChainPlan {
             film: &self.film,
             pass,
             cells: self.cells,
             chains: self.work.chains,
             length: self.work.length,
+            importance: &importance,
             deposit: 0.0,
             layers,
         };
@@ -185,6 +210,10 @@ impl<S: Sampling> Integrator for MetropolisRender<'_, S> {
     }
 
     fn finish_pass(&self, layers: &mut [PassBuffer]) {
+        if let Some(noise) = &self.noise {
+            let mut noise = noise.lock().unwrap_or_else(PoisonError::into_inner);
+            noise.observe(self.film.redistributed(layers));
+        }
         self.film.finish_pass(layers);
     }
 

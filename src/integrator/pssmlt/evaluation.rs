@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use crate::integrator::chains::ChainFilm;
+use crate::integrator::metropolis::{ChainPlan, Importance};
 use crate::math::{Rgb, Vec2};
-use crate::path::{self, Found, Path, PathSpace, PathTracing, camera_sample};
+use crate::path::{self, Found, Path, PathSpace};
 use crate::random::Numbers;
 
 /// Which of a sample's paths count.
@@ -27,18 +28,19 @@ pub(super) struct Evaluation {
     pub(super) raster: Vec2,
     /// Of luminance one.
     pub(super) colour: Rgb,
-    /// Zero for a sample without light, and for what is not finite.
-    pub(super) luminance: f64,
+    /// Luminance times the importance of the place; zero for a sample without light, and for what is not
+    /// finite.
+    pub(super) importance: f64,
 }
 
 impl Evaluation {
-    fn new(raster: Vec2, value: DVec3) -> Self {
-        let luminance = path::luminance(value);
+    fn new(raster: Vec2, value: DVec3, weight: f64) -> Self {
+        let importance = path::luminance(value) * weight;
         match path::colour(value) {
             Some(colour) if value.is_finite() => Self {
                 raster,
                 colour,
-                luminance,
+                importance,
             },
             _ => Self {
                 raster,
@@ -50,16 +52,18 @@ impl Evaluation {
 
 /// Makes camera samples of numbers.
 pub(super) struct Evaluator<'a> {
-    pub(super) film: &'a ChainFilm<'a>,
+    film: &'a ChainFilm<'a>,
+    importance: &'a Importance,
     pub(super) space: PathSpace<'a>,
     path: Path,
 }
 
 impl<'a> Evaluator<'a> {
-    pub(super) fn new(film: &'a ChainFilm<'a>) -> Self {
+    pub(super) fn new(plan: &ChainPlan<'a>) -> Self {
         Self {
-            film,
-            space: film.space(),
+            film: plan.film,
+            importance: plan.importance,
+            space: plan.film.space(),
             path: Path::default(),
         }
     }
@@ -71,21 +75,10 @@ impl<'a> Evaluator<'a> {
         numbers: &mut impl Numbers,
         mut found: impl FnMut(Found<'_>),
     ) -> Vec2 {
-        let domain = &self.film.domain;
-        let raster = domain.low + (domain.high - domain.low) * numbers.next_2d();
-        let ray = camera_sample(&self.space, raster, numbers);
-        let seeds = self.film.seeds;
-        let tracing = PathTracing {
-            max_depth: max_depth.min(seeds.tracing.max_depth),
-            ..seeds.tracing
-        };
-        let camera = (raster, &ray);
-        tracing.trace(&self.space, &mut self.path, camera, numbers, &mut |path| {
-            if seeds.goes_to_chains(path.edges) {
-                found(path);
-            }
-        });
-        raster
+        let place = numbers.next_2d();
+        let workers = (&self.space, &mut self.path);
+        self.film
+            .trace_at(place, workers, max_depth, numbers, &mut found)
     }
 
     /// What the camera sample of numbers brings.
@@ -102,7 +95,7 @@ impl<'a> Evaluator<'a> {
                 }
             }),
         };
-        Evaluation::new(raster, value)
+        Evaluation::new(raster, value, self.importance.at(raster))
     }
 
     /// The path that is at a place among the luminances of a sample's paths.

@@ -18,9 +18,9 @@ pub(super) struct PrimarySampling<'a>(pub(super) &'a Pssmlt);
 struct Weights {
     /// Energy of a deposit.
     deposit: f64,
-    /// Energy of a large step as a sample of its own, for each unit of its luminance.
-    per_luminance: f64,
-    /// Density of large steps over that of a chain's places, times the luminance.
+    /// Energy of a large step as a sample of its own, for each unit of its importance.
+    per_importance: f64,
+    /// Density of large steps over that of a chain's places, times the importance.
     ratio: f64,
 }
 
@@ -30,7 +30,7 @@ impl Weights {
         if !pssmlt.weigh_large_steps || pssmlt.p_large == 0.0 {
             return Self {
                 deposit: plan.deposit,
-                per_luminance: 0.0,
+                per_importance: 0.0,
                 ratio: 0.0,
             };
         }
@@ -38,21 +38,21 @@ impl Weights {
         let mutations = f64::from(plan.chains) * f64::from(plan.length);
         Self {
             deposit: plan.deposit,
-            per_luminance: plan.pixels() / (pssmlt.p_large * mutations),
+            per_importance: plan.pixels() / (pssmlt.p_large * mutations),
             ratio: pssmlt.p_large * mean,
         }
     }
 
     /// Energy of a deposit at a state.
     #[inline]
-    fn of_state(&self, luminance: f64) -> f64 {
-        self.deposit * (luminance / (luminance + self.ratio))
+    fn of_state(&self, importance: f64) -> f64 {
+        self.deposit * (importance / (importance + self.ratio))
     }
 
     /// Energy of a large step as a sample of its own.
     #[inline]
-    fn of_large_step(&self, luminance: f64) -> f64 {
-        self.per_luminance * luminance * (self.ratio / (luminance + self.ratio))
+    fn of_large_step(&self, importance: f64) -> f64 {
+        self.per_importance * importance * (self.ratio / (importance + self.ratio))
     }
 }
 
@@ -87,15 +87,15 @@ impl Walk<'_> {
         let is_large = f64::from(primary.random().next_f32()) < p_large;
         primary.propose(is_large);
         let there = evaluator.evaluate(wanted, primary);
-        let acceptance = (there.luminance / self.here.luminance).min(1.0);
+        let acceptance = (there.importance / self.here.importance).min(1.0);
         if self.landing.counts_proposals() {
             self.landing.count_proposal(there.raster, acceptance);
         }
-        self.waiting += (1.0 - acceptance) * self.weights.of_state(self.here.luminance);
-        if there.luminance > 0.0 {
-            let mut energy = acceptance * self.weights.of_state(there.luminance);
+        self.waiting += (1.0 - acceptance) * self.weights.of_state(self.here.importance);
+        if there.importance > 0.0 {
+            let mut energy = acceptance * self.weights.of_state(there.importance);
             if is_large {
-                energy += self.weights.of_large_step(there.luminance);
+                energy += self.weights.of_large_step(there.importance);
             }
             self.land(there, energy);
         }
@@ -110,11 +110,11 @@ impl Walk<'_> {
 
 impl Sampling for PrimarySampling<'_> {
     fn bootstrap(&self, plan: &ChainPlan<'_>, samples: Range<u32>) -> (Vec<f64>, Counters) {
-        let mut evaluator = Evaluator::new(plan.film);
+        let mut evaluator = Evaluator::new(plan);
         let mut primary = PrimarySpace::new(self.0.steps, plan.bootstrap_numbers(0));
         let luminance = |sample| {
             primary.begin(plan.bootstrap_numbers(sample), plan.cells.cell(sample));
-            evaluator.evaluate(Wanted::All, &mut primary).luminance
+            evaluator.evaluate(Wanted::All, &mut primary).importance
         };
         let luminances: Vec<f64> = samples.map(luminance).collect();
         let counters = Counters {
@@ -127,7 +127,7 @@ impl Sampling for PrimarySampling<'_> {
 
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {
         let pssmlt = self.0;
-        let mut evaluator = Evaluator::new(plan.film);
+        let mut evaluator = Evaluator::new(plan);
         let (numbers, cell) = (
             plan.bootstrap_numbers(seed.sample),
             plan.cells.cell(seed.sample),
@@ -136,7 +136,10 @@ impl Sampling for PrimarySampling<'_> {
         let mut wanted = Wanted::All;
         if pssmlt.target == Target::Path {
             primary.begin(numbers.clone(), cell);
-            wanted = evaluator.path_at(seed.within, &mut primary);
+            let all = evaluator.evaluate(Wanted::All, &mut primary);
+            let within = seed.within / plan.importance.at(all.raster);
+            primary.begin(numbers.clone(), cell);
+            wanted = evaluator.path_at(within, &mut primary);
         }
         primary.begin(numbers, cell);
         let here = evaluator.evaluate(wanted, &mut primary);
@@ -145,7 +148,7 @@ impl Sampling for PrimarySampling<'_> {
             here,
             waiting: 0.0,
             weights: Weights::new(pssmlt, plan),
-            landing: plan.film.landing(plan.layers),
+            landing: plan.landing(),
         };
         if let Some(place) = plan.film.places.chains {
             plan.layers[place].add(&Filter::pixel_box(), here.raster, [1.0]);
