@@ -77,20 +77,22 @@ pub(super) fn rebuild(
         }
         let met = space.meet(ray, index == 1).ok_or(Rejection::Missed)?;
         let event = proposal.vertices()[index].event;
-        let mut vertex = PathVertex::surface(&met, event);
         if event.is_dirac() {
-            ray = pass(space, &mut vertex, met.back)?;
+            let vertex = &mut proposal.vertices_mut()[index];
+            *vertex = PathVertex::surface(&met, event);
+            ray = pass(space, vertex, met.back)?;
         } else {
             if !met.lobes.finite {
                 return Err(Rejection::SignatureChanged);
             }
             if index == last {
-                proposal.vertices_mut()[index] = vertex;
+                proposal.vertices_mut()[index] = PathVertex::surface(&met, event);
                 return connect(space, proposal, last, met.back);
             }
             let Some(redirect) = redirect else {
                 return Err(Rejection::SignatureChanged);
             };
+            let mut vertex = PathVertex::surface(&met, event);
             ray = scatter(
                 space,
                 (redirect, settings.fault),
@@ -98,8 +100,8 @@ pub(super) fn rebuild(
                 (index, &mut vertex, met.back),
                 random,
             )?;
+            proposal.vertices_mut()[index] = vertex;
         }
-        proposal.vertices_mut()[index] = vertex;
         index += 1;
         if event == Event::Finite && redirect == Some(Redirect::Aim) {
             // The next vertex stays; only what it does with the new direction changes.

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::{Event, PathVertex, VertexKind};
-use crate::accel::Ray;
+use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, BsdfModel, DiracEvent, Transport};
 use crate::emitter::{EmitterClass, EmitterModel};
 use crate::math::{Local, Rgb, Vec2, Vec3};
@@ -68,26 +68,30 @@ impl<'s> PathSpace<'s> {
     /// The first surface that a ray meets.
     ///
     /// - `from_sensor`: whether emitting surfaces may be hidden from it.
-    #[inline]
-    pub fn meet(&self, ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
-        if from_sensor && self.rules.hide_emitters {
-            return self.meet_past_emitters(ray);
-        }
-        self.count_ray();
-        self.scene.intersect(&ray)
+    #[inline(always)]
+    pub fn meet(&self, mut ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
+        let hit = if from_sensor && self.rules.hide_emitters {
+            self.hit_past_emitters(&mut ray)?
+        } else {
+            self.count_ray();
+            self.scene.hit(&ray)?
+        };
+        Some(self.scene.interaction(&ray, &hit))
     }
 
-    /// The first surface that a ray meets and that does not emit.
-    fn meet_past_emitters(&self, mut ray: Ray) -> Option<Interaction<'s>> {
+    /// The first hit of a ray on a surface that does not emit; the ray becomes what is left of it.
+    #[inline(never)]
+    fn hit_past_emitters(&self, ray: &mut Ray) -> Option<Hit> {
         loop {
             self.count_ray();
-            let met = self.scene.intersect(&ray)?;
+            let hit = self.scene.hit(ray)?;
+            let met = self.scene.interaction(ray, &hit);
             if met.emitter.is_none() {
-                return Some(met);
+                return Some(hit);
             }
             let direction = ray.direction();
-            let left = ray.far() - met.distance;
-            ray = Ray::new(met.point.ray_origin(direction), direction).between(0.0, left);
+            let left = ray.far() - hit.distance;
+            *ray = Ray::new(met.point.ray_origin(direction), direction).between(0.0, left);
         }
     }
 
