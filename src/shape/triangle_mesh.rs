@@ -1,6 +1,6 @@
 //! Triangles that share vertices.
 
-use glam::Vec3A;
+use glam::{Vec3A, Vec4};
 
 use super::mesh::MeshData;
 use super::{Derivatives, ShapeHit, ShapeModel, SurfacePoint};
@@ -8,7 +8,7 @@ use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
 use crate::math::{AreaDensity, TriangleChart, Vec2, Vec3, warp};
 
-/// Meshes of up to so many triangles keep what the points of each triangle share: 80 bytes a
+/// Meshes of up to so many triangles keep what the points of each triangle share: 64 bytes a
 /// triangle, about as much as the tracer itself takes. Larger ones work it out anew for each point.
 const PREPARED: usize = 1 << 16;
 
@@ -128,7 +128,7 @@ impl TriangleMesh {
     #[inline(always)]
     fn point_of(&self, facet: &Facet, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
         let (b1, b2) = (barycentrics.x, barycentrics.y);
-        let mut geometric_normal = facet.normal;
+        let mut geometric_normal = Vec3::from(facet.normal);
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
             let triangle = self.triangles.as_slice()[primitive as usize];
@@ -161,7 +161,7 @@ impl TriangleMesh {
             shading_normal,
             derivatives,
             uv,
-            error: facet.error,
+            error: facet.error(),
         }
     }
 
@@ -175,7 +175,7 @@ impl TriangleMesh {
     /// ∂p/∂u and ∂p/∂v; zero where the texture coordinates do not span the plane.
     #[inline(never)]
     fn derivatives(&self, facet: &Facet, primitive: u32) -> [Vec3; 2] {
-        let (to_b, to_c) = (Vec3::from(facet.to_b), Vec3::from(facet.to_c));
+        let [to_b, to_c] = facet.edges().map(Vec3::from);
         let Some(uvs) = &self.uvs else {
             return [to_b, to_c];
         };
@@ -190,23 +190,23 @@ impl TriangleMesh {
     }
 }
 
-/// What all points of a triangle share.
+/// What all points of a triangle share, in one line of the cache.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 struct Facet {
-    corner: Vec3A,
-    /// The edges from that corner to the second and the third one.
-    to_b: Vec3A,
+    /// The first corner; and the bound on the error of a position, in metres.
+    corner_and_error: Vec4,
+    /// The edge from that corner to the second one; and a limit: points with a smaller barycentric
+    /// are too near to an edge, rounding can have put them beyond it, and so behind the wall that
+    /// stands there.
+    to_b_and_least: Vec4,
+    /// The edge from the first corner to the third one.
     to_c: Vec3A,
     /// Unit normal.
-    normal: Vec3,
-    /// Bound on the error of a position, in metres.
-    error: f32,
-    /// Points with a smaller barycentric than this are too near to an edge: rounding can have put
-    /// them beyond it, and so behind the wall that stands there.
-    least: f32,
-    /// How far such points must move, as a share of the way to the triangle's middle.
-    step: f32,
+    normal: Vec3A,
 }
+
+const _: () = assert!(size_of::<Facet>() == 64, "hits on large meshes wait for memory");
 
 impl Facet {
     fn new(corners: [Vec3; 3]) -> Self {
@@ -221,24 +221,35 @@ impl Facet {
         let length = across.length();
         let least = if needed > 0.0 { needed / length } else { 0.0 };
         Self {
-            corner: a,
-            to_b,
+            corner_and_error: a.extend(error),
+            to_b_and_least: to_b.extend(least),
             to_c,
-            normal: unit_or(across.into(), Vec3::Z),
-            error,
-            least,
-            // All of the middle's barycentrics are a third.
-            step: (3.0 * least).min(1.0),
+            normal: unit_or(across.into(), Vec3::Z).into(),
         }
+    }
+
+    #[inline(always)]
+    fn error(&self) -> f32 {
+        self.corner_and_error.w
+    }
+
+    /// The edges from the first corner to the others.
+    #[inline(always)]
+    fn edges(&self) -> [Vec3A; 2] {
+        [Vec3A::from_vec4(self.to_b_and_least), self.to_c]
     }
 
     /// The point at the barycentrics of the second and third corner, kept off the edges.
     #[inline(always)]
     fn position(&self, b1: f32, b2: f32) -> Vec3 {
-        let mut position = self.corner + self.to_b * b1 + self.to_c * b2;
-        if b1.min(b2).min(1.0 - b1 - b2) < self.least {
-            let middle = self.corner + (self.to_b + self.to_c) * (1.0 / 3.0);
-            position += (middle - position) * self.step;
+        let corner = Vec3A::from_vec4(self.corner_and_error);
+        let [to_b, to_c] = self.edges();
+        let mut position = corner + to_b * b1 + to_c * b2;
+        let least = self.to_b_and_least.w;
+        if b1.min(b2).min(1.0 - b1 - b2) < least {
+            // All of the middle's barycentrics are a third.
+            let middle = corner + (to_b + to_c) * (1.0 / 3.0);
+            position += (middle - position) * (3.0 * least).min(1.0);
         }
         position.into()
     }
