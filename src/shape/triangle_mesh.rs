@@ -206,7 +206,10 @@ struct Facet {
     normal: Vec3A,
 }
 
-const _: () = assert!(size_of::<Facet>() == 64, "hits on large meshes wait for memory");
+const _: () = assert!(
+    size_of::<Facet>() == 64,
+    "hits on large meshes wait for memory"
+);
 
 impl Facet {
     fn new(corners: [Vec3; 3]) -> Self {
