@@ -98,6 +98,7 @@ fi
 if scene cornell-caustic 320x268; then
     reference erpt 60
     picture cornell-caustic path 128
+    picture cornell-caustic-bdpt bdpt 55
     picture cornell-caustic-erpt erpt 36
     trace pmc-er pmc-er 32 --set mutations_per_sample=20 --set radii=2,8,32 --set map_cell=4 --aov strategy,acceptance
     show pmc-er-strategy pmc-er --layer strategy
@@ -159,5 +160,6 @@ exposure=0.5
 if scene door-ajar 320x240; then
     reference erpt 50
     picture door-ajar path 150
+    picture door-ajar-bdpt bdpt 55
     picture door-ajar-erpt erpt 62
 fi
