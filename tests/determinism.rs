@@ -212,7 +212,7 @@ fn a_window_shows_what_the_whole_film_shows_there() {
     }
 }
 
-const CHAINS: [&str; 10] = [
+const CHAINS: [&str; 11] = [
     "erpt max_depth=6 chain_length=10 mutations_per_sample=10 direct_samples=2 proposal_filter=luminance consecutive_limit=4",
     "erpt max_depth=6 flow=detailed chain_length=4 separate_direct=false proposal_filter=median",
     "erpt max_depth=6 flow=iterated flow_depth=3 mutations_per_sample=10 direct_samples=1",
@@ -220,6 +220,7 @@ const CHAINS: [&str; 10] = [
     "pmc-er max_depth=6 population=100 scheme=lai mutations_per_sample=10 separate_direct=false",
     "pmc-er max_depth=6 population=50 transfer=balance rounds=2 mutations=3 mutations_per_sample=10 proposal_density=mixture",
     "pssmlt max_depth=6 direct_samples=2 chains=30",
+    "pssmlt max_depth=6 bidirectional=true luminance_samples=500 mutations_per_pixel=2",
     "mlt max_depth=6 direct_samples=2 chains=30 proposal_filter=box consecutive_limit=4",
     "mlt max_depth=6 separate_direct=false noise_aware=true luminance_samples=500",
     "pssmlt max_depth=6 separate_direct=false target=path deposits=expected luminance_samples=500",

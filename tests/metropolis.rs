@@ -47,6 +47,23 @@ fn check(number: usize, view: &View) -> Result<(), String> {
     Reference::new(view).check_all(view, ways)
 }
 
+/// Samples from both sides, among lights that have no paths that only they find.
+#[test]
+fn samples_from_both_sides_stay_the_same() -> Result<(), String> {
+    let way = |options: &str| Way {
+        options: format!("pssmlt bidirectional=true mutations_per_pixel=10 chains=40 {options}"),
+        passes: if is_proof() { 24 } else { 2 },
+    };
+    for view in [indirect(SIDE), glass_caustic(SIDE, 1.0), out_of_focus(SIDE)] {
+        let ways = [
+            way("noise_aware=true"),
+            way("deposits=expected separate_direct=false"),
+        ];
+        Reference::new(&view).check_all(&view, ways)?;
+    }
+    Ok(())
+}
+
 #[test]
 fn diffuse_light_stays_the_same() -> Result<(), String> {
     check(0, &indirect(SIDE))

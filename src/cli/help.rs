@@ -171,6 +171,10 @@ const OPTIONS: &[(&str, &str)] = &[
         "draw chains to where passes before were noisy",
     ),
     (
+        "bidirectional",
+        "samples from both sides instead of path-traced ones (Mitsuba: bidirectional)",
+    ),
+    (
         "p_large",
         "chance of a large step, which takes fresh numbers (Mitsuba: pLarge)",
     ),

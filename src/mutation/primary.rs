@@ -7,8 +7,8 @@ use super::{Move, MoveStatistics};
 use crate::math::Vec2;
 use crate::random::{Numbers, Stream};
 
-/// Numbers for the raster position and the lens.
-const BEFORE_VERTICES: usize = 4;
+/// Numbers for the raster position and the lens, or for the start of a ray of light.
+const BEFORE_VERTICES: usize = 8;
 
 /// Numbers kept for each vertex: more than the path tracer takes.
 const PER_VERTEX: usize = 8;

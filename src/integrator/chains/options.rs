@@ -113,7 +113,12 @@ fn both_sides(
     tracing: &PathTracing,
 ) -> Result<Option<Bidirectional>, OptionError> {
     let seeds = options.choice("seeds", &["path", "bdpt"], "path")?;
-    Ok((seeds == "bdpt").then(|| Bidirectional {
+    Ok((seeds == "bdpt").then(|| from_both_sides(tracing)))
+}
+
+/// How subpaths are traced from both sides, by the options of path tracing.
+pub(in crate::integrator) fn from_both_sides(tracing: &PathTracing) -> Bidirectional {
+    Bidirectional {
         max_depth: tracing.max_depth,
         rr_depth: tracing.rr_depth,
         weighing: Weighing::new(tracing.heuristic, 2.0),
@@ -122,7 +127,7 @@ fn both_sides(
             sample_direct: true,
         },
         connection_threshold: 0.0,
-    }))
+    }
 }
 
 /// Reads what paths are.

@@ -48,6 +48,11 @@ impl<'a> ChainPlan<'a> {
         Stream::new(seed, Purpose::Bootstrap, sample, self.pass)
     }
 
+    /// The numbers of the light's side of a sample.
+    pub(in crate::integrator) fn light_numbers(&self, index: u32) -> Stream {
+        Stream::new(self.film.settings.seed, Purpose::Light, index, self.pass)
+    }
+
     /// The numbers of a chain.
     pub(in crate::integrator) fn chain_numbers(&self, chain: u32) -> Stream {
         Stream::new(self.film.settings.seed, Purpose::Chain, chain, self.pass)

@@ -4,11 +4,12 @@ mod evaluation;
 mod sampling;
 
 use super::Algorithm;
-use super::chains::SeedOptions;
+use super::chains::{SeedOptions, from_both_sides};
 use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS};
 use super::pixel::PixelSettings;
 use super::render::Integrator;
 use crate::mutation::SmallSteps;
+use crate::path::Bidirectional;
 use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
 use crate::sensor::Sensor;
@@ -34,6 +35,8 @@ pub struct Pssmlt {
     p_large: f64,
     steps: SmallSteps,
     target: Target,
+    /// How samples are traced from both sides; `None` for path tracing.
+    both_sides: Option<Bidirectional>,
     /// Whether large steps count as samples of their own, too.
     weigh_large_steps: bool,
 }
@@ -61,8 +64,14 @@ impl Pssmlt {
         if weigh_large_steps && target == Target::Path {
             return Err(options.refused("deposits", "expected where target is path"));
         }
+        let bidirectional = options.boolean("bidirectional", false)?;
+        if bidirectional && target == Target::Path {
+            return Err(options.refused("bidirectional", "false where target is path"));
+        }
+        let seeds = SeedOptions::of_metropolis(options, false)?;
         Ok(Self {
-            seeds: SeedOptions::of_metropolis(options, false)?,
+            both_sides: bidirectional.then(|| from_both_sides(&seeds.tracing)),
+            seeds,
             metropolis: MetropolisOptions::from_options(options)?,
             p_large: options.float("p_large", 0.0..=1.0, 0.3)?,
             steps: SmallSteps { smallest, largest },

@@ -8,7 +8,8 @@ use crate::film::Filter;
 use crate::integrator::chains::Landing;
 use crate::integrator::metropolis::{ChainPlan, Sampling, Seed};
 use crate::integrator::render::Counters;
-use crate::mutation::PrimarySpace;
+use crate::math::Vec2;
+use crate::mutation::{PrimarySpace, SmallSteps};
 
 /// Chains of numbers as what Metropolis sampling samples.
 pub(super) struct PrimarySampling<'a>(pub(super) &'a Pssmlt);
@@ -56,10 +57,53 @@ impl Weights {
     }
 }
 
+/// The numbers of a sample, on both sides; path tracing takes those of the eye's only.
+struct Numbers {
+    eye: PrimarySpace,
+    light: PrimarySpace,
+}
+
+impl Numbers {
+    fn new(steps: SmallSteps, plan: &ChainPlan<'_>) -> Self {
+        let new = || PrimarySpace::new(steps, plan.bootstrap_numbers(0));
+        Self {
+            eye: new(),
+            light: new(),
+        }
+    }
+
+    /// Begins a sample of the bootstrap set.
+    fn begin(&mut self, plan: &ChainPlan<'_>, sample: u32) {
+        let whole = (Vec2::ZERO, Vec2::ONE);
+        let cell = plan.cells.cell(sample);
+        self.eye.begin(plan.bootstrap_numbers(sample), cell);
+        self.light.begin(plan.light_numbers(sample), whole);
+    }
+
+    /// Makes the sample begun the first of a chain.
+    fn start_chain(&mut self, plan: &ChainPlan<'_>, chain: u32) {
+        self.eye.start_chain(plan.chain_numbers(chain));
+        self.light.start_chain(plan.light_numbers(chain | CHAINS));
+    }
+
+    /// A number for a decision.
+    fn uniform(&mut self) -> f64 {
+        f64::from(self.eye.random().next_f32())
+    }
+
+    fn sides(&mut self) -> [&mut PrimarySpace; 2] {
+        [&mut self.eye, &mut self.light]
+    }
+}
+
+/// Tells streams of chains from those of bootstrap samples, of which there are fewer.
+const CHAINS: u32 = 1 << 31;
+
 /// A chain under way.
 struct Walk<'a> {
     here: Evaluation,
-    /// Energy that waits there.
+    there: Evaluation,
+    /// Energy that waits where the chain is.
     waiting: f64,
     weights: Weights,
     landing: Landing<'a>,
@@ -68,11 +112,15 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn flush(&mut self) {
         let energy = std::mem::take(&mut self.waiting);
-        self.land(self.here, energy);
+        self.land(&self.here, energy);
     }
 
-    fn land(&self, state: Evaluation, energy: f64) {
-        self.landing.land(state.raster, state.colour, (energy, 0.0));
+    /// Lets energy land at all places of a state, in proportion to their importances.
+    fn land(&self, state: &Evaluation, energy: f64) {
+        for splat in &state.splats {
+            let part = energy * (splat.importance / state.importance);
+            self.landing.land(splat.raster, splat.colour, (part, 0.0));
+        }
     }
 
     /// Makes a step.
@@ -81,40 +129,47 @@ impl Walk<'_> {
     fn step(
         &mut self,
         (evaluator, wanted): (&mut Evaluator<'_>, Wanted),
-        primary: &mut PrimarySpace,
+        numbers: &mut Numbers,
         p_large: f64,
     ) {
-        let is_large = f64::from(primary.random().next_f32()) < p_large;
-        primary.propose(is_large);
-        let there = evaluator.evaluate(wanted, primary);
-        let acceptance = (there.importance / self.here.importance).min(1.0);
+        let is_large = numbers.uniform() < p_large;
+        for side in numbers.sides() {
+            side.propose(is_large);
+        }
+        evaluator.evaluate(wanted, numbers.sides(), &mut self.there);
+        let (here, there) = (self.here.importance, self.there.importance);
+        let acceptance = (there / here).min(1.0);
         if self.landing.counts_proposals() {
-            self.landing.count_proposal(there.raster, acceptance);
+            self.landing.count_proposal(self.there.raster, acceptance);
         }
-        self.waiting += (1.0 - acceptance) * self.weights.of_state(self.here.importance);
-        if there.importance > 0.0 {
-            let mut energy = acceptance * self.weights.of_state(there.importance);
+        self.waiting += (1.0 - acceptance) * self.weights.of_state(here);
+        if there > 0.0 {
+            let mut energy = acceptance * self.weights.of_state(there);
             if is_large {
-                energy += self.weights.of_large_step(there.importance);
+                energy += self.weights.of_large_step(there);
             }
-            self.land(there, energy);
+            self.land(&self.there, energy);
         }
-        let is_accepted = acceptance > 0.0 && f64::from(primary.random().next_f32()) < acceptance;
-        primary.settle(acceptance, is_accepted);
+        let is_accepted = acceptance > 0.0 && numbers.uniform() < acceptance;
+        for side in numbers.sides() {
+            side.settle(acceptance, is_accepted);
+        }
         if is_accepted {
             self.flush();
-            self.here = there;
+            std::mem::swap(&mut self.here, &mut self.there);
         }
     }
 }
 
 impl Sampling for PrimarySampling<'_> {
     fn bootstrap(&self, plan: &ChainPlan<'_>, samples: Range<u32>) -> (Vec<f64>, Counters) {
-        let mut evaluator = Evaluator::new(plan);
-        let mut primary = PrimarySpace::new(self.0.steps, plan.bootstrap_numbers(0));
+        let mut evaluator = Evaluator::new(plan, self.0.both_sides.as_ref());
+        let mut numbers = Numbers::new(self.0.steps, plan);
+        let mut found = Evaluation::new();
         let luminance = |sample| {
-            primary.begin(plan.bootstrap_numbers(sample), plan.cells.cell(sample));
-            evaluator.evaluate(Wanted::All, &mut primary).importance
+            numbers.begin(plan, sample);
+            evaluator.evaluate(Wanted::All, numbers.sides(), &mut found);
+            found.importance
         };
         let luminances: Vec<f64> = samples.map(luminance).collect();
         let counters = Counters {
@@ -127,40 +182,38 @@ impl Sampling for PrimarySampling<'_> {
 
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {
         let pssmlt = self.0;
-        let mut evaluator = Evaluator::new(plan);
-        let (numbers, cell) = (
-            plan.bootstrap_numbers(seed.sample),
-            plan.cells.cell(seed.sample),
-        );
-        let mut primary = PrimarySpace::new(pssmlt.steps, numbers.clone());
+        let mut evaluator = Evaluator::new(plan, pssmlt.both_sides.as_ref());
+        let mut numbers = Numbers::new(pssmlt.steps, plan);
+        let mut here = Evaluation::new();
         let mut wanted = Wanted::All;
         if pssmlt.target == Target::Path {
-            primary.begin(numbers.clone(), cell);
-            let all = evaluator.evaluate(Wanted::All, &mut primary);
-            let within = seed.within / plan.importance.at(all.raster);
-            primary.begin(numbers.clone(), cell);
-            wanted = evaluator.path_at(within, &mut primary);
+            numbers.begin(plan, seed.sample);
+            evaluator.evaluate(wanted, numbers.sides(), &mut here);
+            let within = seed.within / plan.importance.at(here.raster);
+            numbers.begin(plan, seed.sample);
+            wanted = evaluator.path_at(within, &mut numbers.eye);
         }
-        primary.begin(numbers, cell);
-        let here = evaluator.evaluate(wanted, &mut primary);
-        primary.start_chain(plan.chain_numbers(index));
+        numbers.begin(plan, seed.sample);
+        evaluator.evaluate(wanted, numbers.sides(), &mut here);
+        numbers.start_chain(plan, index);
+        if let Some(place) = plan.film.places.chains {
+            plan.layers[place].add(&Filter::pixel_box(), here.raster, [1.0]);
+        }
         let mut walk = Walk {
             here,
+            there: Evaluation::new(),
             waiting: 0.0,
             weights: Weights::new(pssmlt, plan),
             landing: plan.landing(),
         };
-        if let Some(place) = plan.film.places.chains {
-            plan.layers[place].add(&Filter::pixel_box(), here.raster, [1.0]);
-        }
         for _ in 0..plan.length {
-            walk.step((&mut evaluator, wanted), &mut primary, pssmlt.p_large);
+            walk.step((&mut evaluator, wanted), &mut numbers, pssmlt.p_large);
         }
         walk.flush();
         Counters {
             rays: evaluator.space.rays(),
             chains: 1,
-            mutations: primary.statistics,
+            mutations: numbers.eye.statistics,
             ..Counters::default()
         }
     }
