@@ -1,7 +1,9 @@
 //! Scene files: real ones load, broken ones say what is wrong and where.
 
 mod attributes;
+mod gltf;
 mod materials;
+mod models;
 mod plugins;
 
 use std::fs;
@@ -17,7 +19,7 @@ fn options(strictness: Strictness) -> ImportOptions {
     };
     ImportOptions {
         read,
-        film_size: None,
+        ..ImportOptions::default()
     }
 }
 

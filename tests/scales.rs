@@ -1,14 +1,14 @@
 //! Rays leave surfaces neither through what is behind nor into what they leave, at any size and any
 //! place of the scene.
 
-use lumiflow::accel::Ray;
+use lumiflow::accel::{CurveBasis, Ray};
 use lumiflow::bsdf::Diffuse;
 use lumiflow::emitter::{Constant, Point};
 use lumiflow::math::{Mat4, Rgb, Vec2, Vec3, warp};
 use lumiflow::random::{Purpose, Stream};
 use lumiflow::scene::{Scene, SceneBuilder};
 use lumiflow::sensor::Sensor;
-use lumiflow::shape::{Cylinder, Disk, Shape, Sphere, primitives};
+use lumiflow::shape::{Curves, Cylinder, Disk, Shape, Sphere, primitives};
 
 use crate::support::render::{mean, picture, settings};
 use crate::support::scenes::{camera, cornell, cornell_camera, moved, part, scene};
@@ -169,7 +169,18 @@ fn bodies(to_world: Mat4) -> Vec<(&'static str, Shape, bool)> {
                 .into(),
             false,
         ),
+        ("capsule", hair(CurveBasis::Linear, to_world), true),
+        ("hair", hair(CurveBasis::BSpline, to_world), false),
     ]
+}
+
+/// A straight curve; a linear one has round ends.
+fn hair(basis: CurveBasis, to_world: Mat4) -> Shape {
+    let radius = 0.6 * to_world.x_axis.truncate().length();
+    let points = [-1.5, -0.5, 0.5, 1.5].map(|z| [0.1 * z, 0.2 * z, 0.6 * z, radius]);
+    let curves = [points.to_vec()];
+    let made = Curves::new(basis, &curves, to_world);
+    made.expect("four control points").into()
 }
 
 fn pair(stream: &mut Stream) -> Vec2 {

@@ -179,6 +179,8 @@ fn generate_bindings(installation: &Installation) -> Result<(), Box<dyn Error>> 
         .default_enum_style(bindgen::EnumVariation::Consts)
         .prepend_enum_name(false)
         .derive_default(true)
+        // Its pointers have no default.
+        .no_default("ShimCurves")
         .generate()?;
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo did not set OUT_DIR")?);
     bindings.write_to_file(out.join("bindings.rs"))?;

@@ -143,6 +143,7 @@ fn add_all(
             Geometry::Triangles(vertices, triangles) => {
                 builder.add_triangles(&vertices, &triangles)
             }
+            Geometry::Curves(basis, curves) => builder.add_curves(basis, &curves),
             Geometry::Sphere { centre, radius } => builder.add_sphere(centre.to_array(), radius),
             Geometry::Disk(to_world) => builder.add_disk(to_world),
             Geometry::Cylinder(to_world) => builder.add_cylinder(to_world),

@@ -4,7 +4,7 @@ mod embree;
 mod ray;
 
 pub use embree::{Accel, AccelError, Instance, prepare_worker, versions};
-pub use embree4_sys::{Hit, IndexBuffer, VertexBuffer};
+pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, VertexBuffer};
 pub use ray::Ray;
 
 use crate::math::Vec3;
@@ -14,6 +14,8 @@ use crate::math::Vec3;
 pub enum Geometry {
     /// Triangles; the buffers are shared with the tracer, not copied.
     Triangles(VertexBuffer, IndexBuffer),
+    /// Round curves; the buffer is shared with the tracer, not copied.
+    Curves(CurveBasis, CurveBuffer),
     /// An exact sphere.
     Sphere {
         /// Centre in world space.

@@ -93,7 +93,7 @@ pub(super) struct SceneArgs {
 /// `lumiflow render`.
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
-    /// Mitsuba scene files (XML)
+    /// Mitsuba scene files (XML), or models (OBJ, glTF)
     #[arg(required = true, value_name = "SCENE")]
     pub(super) scenes: Vec<PathBuf>,
 
@@ -190,7 +190,7 @@ pub(super) struct FileArgs {
 /// `lumiflow info`.
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
-    /// Mitsuba scene file (XML)
+    /// Mitsuba scene file (XML), or a model (OBJ, glTF)
     #[arg(value_name = "SCENE")]
     pub(super) file: PathBuf,
 

@@ -35,7 +35,7 @@ struct Contents {
 /// A file that cannot be read, or a scene that cannot be rendered.
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let start = Instant::now();
-    let imported = args.scene.load(&args.file)?;
+    let imported = args.scene.load(&args.file, args.json)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let contents = Contents::of(&imported.scene, load_seconds)?;
     if args.json {

@@ -52,12 +52,30 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap, ImageError> {
         return read_exr_bitmap(path);
     }
     file.read_to_end(&mut bytes).map_err(failed)?;
+    decode_as(format, &bytes, path)
+}
+
+/// Reads a texture from the bytes of a PNG, JPEG, BMP or HDR file, as [`read_bitmap`] does.
+///
+/// - `name`: of the picture, for messages.
+///
+/// # Errors
+/// As [`read_bitmap`].
+pub fn decode_bitmap(bytes: &[u8], name: &Path) -> Result<Bitmap, ImageError> {
+    let format = detect(bytes, name).filter(|format| *format != ImageFormat::OpenExr);
+    let format = format.ok_or_else(|| ImageError::UnknownFormat {
+        path: name.to_owned(),
+    })?;
+    decode_as(format, bytes, name)
+}
+
+fn decode_as(format: ImageFormat, bytes: &[u8], path: &Path) -> Result<Bitmap, ImageError> {
     let broken =
         |reason: &str| ImageError::broken(path, format!("broken {} file: {reason}", name(format)));
-    if format == ImageFormat::Jpeg && !has_jpeg_end(&bytes) {
+    if format == ImageFormat::Jpeg && !has_jpeg_end(bytes) {
         return Err(broken("it ends too early"));
     }
-    let decoded = decode(&bytes, format).map_err(|error| broken(&error.to_string()))?;
+    let decoded = decode(bytes, format).map_err(|error| broken(&error.to_string()))?;
     to_bitmap(decoded)
         .ok_or_else(|| ImageError::unsupported(path, "a layout of pixels that is not read"))
 }

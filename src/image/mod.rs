@@ -18,7 +18,7 @@ mod srgb;
 
 pub use atomic::AtomicFile;
 pub use bitmap::{Bitmap, Texels, Transfer};
-pub use decode::read_bitmap;
+pub use decode::{decode_bitmap, read_bitmap};
 pub use error::ImageError;
 pub use exr::{ExrOptions, ExrReport, exr_version, read_exr, write_exr};
 pub use layers::{Channel, Image};

@@ -1,6 +1,6 @@
 //! Rays against single shapes without a tracer, for tests.
 
-use super::{Shape, ShapeHit, ShapeModel, SurfacePoint, TriangleMesh};
+use super::{Curves, Shape, ShapeHit, ShapeModel, Sphere, SurfacePoint, TriangleMesh};
 use crate::math::{Mat3, Mat4, Vec2, Vec3};
 
 /// All points where a line from `from` along `direction` meets a shape, ahead of `from`.
@@ -31,16 +31,11 @@ pub(crate) fn crossings(shape: &Shape, from: Vec3, direction: Vec3) -> Vec<Surfa
         )
     };
     match shape {
-        Shape::Sphere(s) => {
-            // In f64: seen from afar, a sphere is lost in the rounding of f32.
-            let (o, d) = ((from - s.centre()).as_dvec3(), direction.as_dvec3());
-            let radius = f64::from(s.radius());
-            ahead(roots(
-                d.length_squared(),
-                o.dot(d),
-                o.length_squared() - radius * radius,
-            ))
-        }
+        Shape::Sphere(s) => ahead(sphere_crossings(s, from, direction)),
+        Shape::Curves(curves) => curve_crossings(curves, from, direction)
+            .into_iter()
+            .map(|(t, primitive, along)| at(t, primitive, Vec2::new(along, 0.0)))
+            .collect(),
         Shape::Disk(d) => {
             let (o, d) = to_object(d.to_world());
             let t = -o.z / d.z;
@@ -61,6 +56,54 @@ pub(crate) fn crossings(shape: &Shape, from: Vec3, direction: Vec3) -> Vec<Surfa
             })
             .collect(),
     }
+}
+
+/// In f64: seen from afar, a sphere is lost in the rounding of f32.
+fn sphere_crossings(sphere: &Sphere, from: Vec3, direction: Vec3) -> Vec<f32> {
+    let (o, d) = ((from - sphere.centre()).as_dvec3(), direction.as_dvec3());
+    let radius = f64::from(sphere.radius());
+    let c = o.length_squared() - radius * radius;
+    roots(d.length_squared(), o.dot(d), c)
+}
+
+/// Distances along a ray of unit length where it enters or leaves a curve: found by looking at many
+/// points of it, each against many points of every segment's axis.
+///
+/// Returns distance, segment and place along the segment.
+fn curve_crossings(curves: &Curves, from: Vec3, direction: Vec3) -> Vec<(f32, u32, f32)> {
+    const STEPS: u32 = 4000;
+    const REACH: f64 = 8.0;
+    let mut found = Vec::new();
+    for segment in 0..curves.segment_count() as u32 {
+        let depth = |t: f64| {
+            let point = from.as_dvec3() + direction.as_dvec3() * t;
+            let distances = (0..=400_u32).map(|i| {
+                let along = f64::from(i) / 400.0;
+                let (centre, radius) = curves.axis_point(segment, along);
+                (centre.distance(point) - radius, along)
+            });
+            let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+            nearest.unwrap_or((f64::INFINITY, 0.0))
+        };
+        let ts = (0..=STEPS).map(|i| REACH * f64::from(i) / f64::from(STEPS));
+        let ts: Vec<f64> = ts.collect();
+        for pair in ts.windows(2) {
+            let (mut near, mut far) = (pair[0], pair[1]);
+            if (depth(near).0 > 0.0) == (depth(far).0 > 0.0) {
+                continue;
+            }
+            for _ in 0..40 {
+                let middle = 0.5 * (near + far);
+                if (depth(middle).0 > 0.0) == (depth(near).0 > 0.0) {
+                    near = middle;
+                } else {
+                    far = middle;
+                }
+            }
+            found.push((near as f32, segment, depth(near).1 as f32));
+        }
+    }
+    found
 }
 
 /// Roots of a·t² + 2·b·t + c.

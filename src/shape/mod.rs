@@ -1,7 +1,7 @@
 //! Shapes: where surfaces are, how they are parametrised, how points on them are sampled.
 //!
 //! The tracer says *that* a ray met a primitive; a shape says what is there. Rectangles and cubes are
-//! triangle meshes; spheres, disks and cylinders are exact.
+//! triangle meshes; spheres, disks, cylinders and curves are exact.
 
 pub mod mesh;
 pub mod primitives;
@@ -9,6 +9,7 @@ pub mod primitives;
 mod affine;
 #[cfg(test)]
 pub(crate) mod brute_force;
+mod curves;
 mod cylinder;
 mod disk;
 mod placement;
@@ -18,6 +19,7 @@ mod surface;
 mod tests;
 mod triangle_mesh;
 
+pub use curves::Curves;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use placement::Placement;
@@ -40,6 +42,14 @@ pub enum ShapeError {
     /// A radius is zero or negative.
     #[error("the radius must be positive")]
     BadRadius,
+    /// A curve has too few control points for one segment.
+    #[error("a curve has {found} control points, expected {least} at least")]
+    ShortCurve {
+        /// How many it has.
+        found: usize,
+        /// How many a segment takes.
+        least: usize,
+    },
     /// The transform leaves no surface.
     #[error("the transform flattens the shape to nothing")]
     Flat,
@@ -155,6 +165,8 @@ macro_rules! shape_models {
 }
 
 shape_models! {
+    /// Round hairs and tubes.
+    Curves,
     /// The round wall of a cylinder.
     Cylinder,
     /// A flat disk.

@@ -8,6 +8,8 @@ use crate::math::{Mat3, Rgb, Vec2};
 pub struct Checkerboard {
     colours: [Rgb; 2],
     to_uv: Mat3,
+    /// Whether numbers are those of the other squares.
+    swaps_numbers: bool,
 }
 
 impl Checkerboard {
@@ -16,17 +18,50 @@ impl Checkerboard {
     /// - `colours`: of the squares that touch the origin at (+, +) and (−, −), and of the others.
     /// - `to_uv`: what surface coordinates are multiplied by before the lookup; affine.
     pub fn new(colours: [Rgb; 2], to_uv: Mat3) -> Self {
-        Self { colours, to_uv }
+        Self {
+            colours,
+            to_uv,
+            swaps_numbers: false,
+        }
+    }
+
+    /// The same board, where a number is asked for that of the other colour: Mitsuba 3.9.1 has it so.
+    pub fn with_numbers_swapped(self) -> Self {
+        Self {
+            swaps_numbers: true,
+            ..self
+        }
+    }
+
+    /// The board of the numbers that this one gives, as colours.
+    pub fn of_numbers(self) -> Self {
+        let [a, b] = self.colours;
+        Self {
+            colours: if self.swaps_numbers { [b, a] } else { [a, b] },
+            swaps_numbers: false,
+            ..self
+        }
+    }
+
+    /// Which of the two colours lies at a point.
+    #[inline]
+    fn square(&self, uv: Vec2) -> usize {
+        let place = self.to_uv.transform_point2(uv);
+        let place = place - place.floor();
+        usize::from((place.x < 0.5) != (place.y < 0.5))
     }
 }
 
 impl TextureModel for Checkerboard {
     #[inline]
     fn colour(&self, uv: Vec2) -> Rgb {
-        let place = self.to_uv.transform_point2(uv);
-        let place = place - place.floor();
-        let other = (place.x < 0.5) != (place.y < 0.5);
-        self.colours[usize::from(other)]
+        self.colours[self.square(uv)]
+    }
+
+    #[inline]
+    fn value(&self, uv: Vec2) -> f32 {
+        let square = self.square(uv) ^ usize::from(self.swaps_numbers);
+        self.colours[square].luminance()
     }
 
     fn gradient(&self, _uv: Vec2) -> Vec2 {
@@ -42,7 +77,7 @@ impl TextureModel for Checkerboard {
 mod tests {
     use super::*;
 
-    /// What Mitsuba 3.9.1 returns.
+    /// What Mitsuba 3.9.1 returns for colours.
     #[test]
     fn squares_lie_where_mitsuba_has_them() {
         let colours = [Rgb::grey(0.1), Rgb::grey(0.9)];
@@ -59,5 +94,11 @@ mod tests {
         let fine = Checkerboard::new(colours, Mat3::from_scale(Vec2::splat(2.0)));
         assert!((at(&fine, 0.3, 0.1) - 0.9).abs() < 1e-6);
         assert!((fine.mean().g() - 0.5).abs() < 1e-6);
+        let swapped = board.with_numbers_swapped();
+        assert!((at(&swapped, 0.1, 0.1) - 0.9).abs() < 1e-6);
+        let uv = Vec2::splat(0.1);
+        assert_eq!(swapped.colour(uv), colours[0]);
+        assert_eq!(swapped.of_numbers().colour(uv), colours[1]);
+        assert_eq!(board.of_numbers(), board);
     }
 }

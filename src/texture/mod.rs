@@ -4,12 +4,14 @@ mod bitmap;
 mod checkerboard;
 mod constant;
 mod mesh_surface;
+mod product;
 mod scaled;
 
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use constant::Constant;
 pub use mesh_surface::{MeshAttribute, MeshSurface, OnMesh};
+pub use product::Product;
 pub use scaled::Scaled;
 
 use crate::math::{Rgb, Vec2};
@@ -87,6 +89,8 @@ texture_models! {
     MeshAttribute(MeshAttribute),
     /// A texture at the texture coordinates of a mesh whose points tell where on it they lie.
     OnMesh(OnMesh),
+    /// Two textures, multiplied.
+    Product(Product),
     /// A texture times a factor.
     Scaled(Scaled),
 }

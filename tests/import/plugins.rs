@@ -233,3 +233,36 @@ fn sensors_without_a_pinhole_are_read() {
         "scene.xml:1:24: unknown sensor \"orthografic\" (did you mean \"orthographic\"?)",
     );
 }
+
+#[test]
+fn curves_are_read_and_those_that_are_none_refused() {
+    let folder = tempfile::tempdir().expect("a folder for the scene");
+    let said = |plugin: &str, text: &str, inside: &str| {
+        std::fs::write(folder.path().join("hair.txt"), text).expect("the file can be written");
+        let body = format!(
+            "<shape type='{plugin}'><string name='filename' value='hair.txt'/>{inside}</shape>"
+        );
+        let file = folder.path().join("scene.xml");
+        std::fs::write(&file, file_of(&body)).expect("the file can be written");
+        let imported = lumiflow::scene::import::import(&file, &Default::default());
+        imported
+            .map(|imported| imported.scene.objects().len())
+            .map_err(|e| e.to_string())
+    };
+    let sound = "0 0 0 .1\n1 0 0 .1\n2 1 0 .2\n3 0 0 .1\n";
+    assert_eq!(said("bsplinecurve", sound, ""), Ok(1));
+    assert_eq!(said("linearcurve", sound, ""), Ok(1));
+    let short = said("bsplinecurve", "0 0 0 .1\n1 0 0 .1\n", "").expect_err("two points");
+    assert!(
+        short.contains("hair.txt: a curve has 2 control points, expected 4 at least"),
+        "{short}"
+    );
+    let broken = said("linearcurve", "0 0 0\n", "").expect_err("no radius");
+    assert!(
+        broken.contains("line 1: found \"0 0 0\", expected x, y, z and a radius"),
+        "{broken}"
+    );
+    let light = "<emitter type='area'/>";
+    let glowing = said("linearcurve", sound, light).expect_err("hairs do not glow");
+    assert!(glowing.contains("curves cannot emit light"), "{glowing}");
+}

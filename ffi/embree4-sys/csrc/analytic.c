@@ -1,4 +1,4 @@
-/* Exact spheres, disks and cylinders as Embree user geometries.
+/* Exact spheres, disks, cylinders and linear curves as Embree user geometries.
  *
  * Everything is computed in double precision from the ray's single-precision numbers, so a hit is
  * as good from a million units away, or from the inside next to the surface, as from nearby, and
@@ -280,5 +280,226 @@ RTCGeometry shim_new_analytic(RTCDevice device, enum ShimKind kind, const struct
     rtcSetGeometryBoundsFunction(geometry, bounds, NULL);
     rtcSetGeometryIntersectFunction(geometry, intersect[kind]);
     rtcSetGeometryOccludedFunction(geometry, occluded[kind]);
+    return geometry;
+}
+
+/* A segment of a linear curve: the hull of the spheres around its two ends. */
+struct Cone {
+    double start[3], along[3];
+    double start_radius, narrowing;  /* how much smaller the end's radius is */
+    double squared_length, hull;     /* the latter without the square of `narrowing` */
+};
+
+static struct Cone cone_of_segment(const struct ShimCurves *curves, unsigned segment)
+{
+    const float *first = curves->points[curves->segments[segment]];
+    const float *second = first + 4;
+    struct Cone cone;
+    for (int axis = 0; axis < 3; axis++) {
+        cone.start[axis] = first[axis];
+        cone.along[axis] = (double)second[axis] - first[axis];
+    }
+    cone.start_radius = first[3];
+    cone.narrowing = (double)first[3] - second[3];
+    cone.squared_length = dot(cone.along, cone.along);
+    cone.hull = cone.squared_length - cone.narrowing * cone.narrowing;
+    return cone;
+}
+
+/* Where between the ends, from 0 to 1, the sphere lies that a point of the surface belongs to; of
+ * spheres inside of each other, the larger one. `position` is relative to the start. */
+static double sphere_of_surface_point(const struct Cone *cone, const double position[3])
+{
+    if (!(cone->hull > 0.0))
+        return cone->narrowing < 0.0 ? 1.0 : 0.0;
+    double place = dot(cone->along, position) - cone->start_radius * cone->narrowing;
+    return fmin(fmax(place / cone->hull, 0.0), 1.0);
+}
+
+/* Whether a point lies inside of a hull, by more than rounding; `point` as the ray gives it. */
+static bool is_inside(const struct Cone *cone, const double point[3])
+{
+    double position[3];
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] = point[axis] - cone->start[axis];
+    double sphere = cone->narrowing < 0.0 ? 1.0 : 0.0;
+    if (cone->hull > 0.0) {
+        /* The nearest sphere lies before the point's foot, by as much as the hull's normals lean. */
+        double foot = dot(cone->along, position) / cone->squared_length;
+        double across = sqrt(fmax(dot(position, position) -
+                                      foot * foot * cone->squared_length, 0.0));
+        double lean = cone->narrowing / sqrt(cone->hull * cone->squared_length);
+        sphere = fmin(fmax(foot - across * lean, 0.0), 1.0);
+    }
+    double radius = cone->start_radius - sphere * cone->narrowing;
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] -= sphere * cone->along[axis];
+    double inner = radius * (1.0 - 1e-7);
+    return dot(position, position) < inner * inner;
+}
+
+/* Whether a point of a segment's surface, on the sphere at a place between its ends, is that of a
+ * neighbour or inside of one. The sphere that two segments share is that of the second one, so that no
+ * point is hit twice. */
+static bool is_covered(const struct ShimCurves *curves, unsigned segment, double sphere,
+                       const double point[3])
+{
+    const unsigned *segments = curves->segments;
+    if (segment > 0 && segments[segment - 1] + 1 == segments[segment]) {
+        struct Cone before = cone_of_segment(curves, segment - 1);
+        if (is_inside(&before, point))
+            return true;
+    }
+    if (segment + 1 < curves->segment_count && segments[segment + 1] == segments[segment] + 1) {
+        struct Cone after = cone_of_segment(curves, segment + 1);
+        return sphere >= 1.0 || is_inside(&after, point);
+    }
+    return false;
+}
+
+/* Widens an interval by the roots of a*t*t + 2*b*t + c that lie where the hull has this piece:
+ * where `offset + t * slope` is between `low` and `high`. */
+static void add_roots(double a, double b, double c, double offset, double slope, double low,
+                      double high, double interval[2])
+{
+    double discriminant = b * b - a * c;
+    if (!(discriminant >= 0.0) || a == 0.0)
+        return;
+    for (int side = -1; side <= 1; side += 2) {
+        double root = (-b + side * sqrt(discriminant)) / a;
+        double place = offset + root * slope;
+        if (place >= low && place <= high) {
+            interval[0] = fmin(interval[0], root);
+            interval[1] = fmax(interval[1], root);
+        }
+    }
+}
+
+/* Hulls of two spheres are convex: the ray is inside between two distances. */
+static bool cross_cone(const struct ShimCurves *curves, unsigned segment, const struct RTCRay *ray,
+                       struct Crossing *crossing)
+{
+    struct Cone cone = cone_of_segment(curves, segment);
+    double origin[3] = {ray->org_x, ray->org_y, ray->org_z};
+    double direction[3] = {ray->dir_x, ray->dir_y, ray->dir_z};
+    double from_start[3];
+    for (int axis = 0; axis < 3; axis++)
+        from_start[axis] = origin[axis] - cone.start[axis];
+    /* From the ray's point nearest to the start on, distances are small and nothing cancels. */
+    double squared_speed = dot(direction, direction);
+    double shift = -dot(from_start, direction) / squared_speed;
+    advance(from_start, direction, shift, from_start);
+    double along_origin = dot(cone.along, from_start), along_speed = dot(cone.along, direction);
+    double first = cone.start_radius, second = first - cone.narrowing;
+    double offset = along_origin - first * cone.narrowing;
+    double interval[2] = {INFINITY, -INFINITY};
+    double towards = dot(from_start, direction), distance = dot(from_start, from_start);
+    bool is_cone = cone.hull > 0.0;
+    double low = is_cone ? 0.0 : cone.narrowing < 0.0 ? -INFINITY : INFINITY;
+    double high = is_cone ? cone.hull : low;
+    /* The sphere around the start, that around the end, and the cone between them. */
+    add_roots(squared_speed, towards, distance - first * first, offset, along_speed, -INFINITY, low,
+              interval);
+    add_roots(squared_speed, towards - along_speed,
+              distance - 2.0 * along_origin + cone.squared_length - second * second, offset,
+              along_speed, high, INFINITY, interval);
+    if (is_cone)
+        add_roots(cone.hull * squared_speed - along_speed * along_speed,
+                  cone.hull * towards - offset * along_speed,
+                  cone.hull * (distance - first * first) - offset * offset, offset, along_speed,
+                  low, high, interval);
+    for (int end = 0; end < 2; end++) {
+        double point[3], root = interval[end] + shift;
+        if (!isfinite(root) || !accept(ray, root, crossing))
+            continue;
+        advance(origin, direction, root, point);
+        advance(from_start, direction, interval[end], crossing->position);
+        double sphere = sphere_of_surface_point(&cone, crossing->position);
+        if (!is_covered(curves, segment, sphere, point))
+            return true;
+    }
+    return false;
+}
+
+static void describe_cone(const struct ShimCurves *curves, unsigned segment,
+                          const struct Crossing *crossing, struct RTCHit *hit)
+{
+    struct Cone cone = cone_of_segment(curves, segment);
+    double sphere = sphere_of_surface_point(&cone, crossing->position);
+    double normal[3];
+    for (int axis = 0; axis < 3; axis++)
+        normal[axis] = crossing->position[axis] - sphere * cone.along[axis];
+    double scale = 1.0 / sqrt(dot(normal, normal));
+    hit->Ng_x = (float)(normal[0] * scale);
+    hit->Ng_y = (float)(normal[1] * scale);
+    hit->Ng_z = (float)(normal[2] * scale);
+    hit->u = (float)sphere;
+    hit->v = 0.0f;
+}
+
+static void intersect_cone(const struct RTCIntersectFunctionNArguments *arguments)
+{
+    const struct ShimCurves *curves = arguments->geometryUserPtr;
+    unsigned count = arguments->N;
+    for (unsigned lane = 0; lane < count; lane++) {
+        struct Crossing crossing;
+        struct RTCHit found;
+        if (!arguments->valid[lane])
+            continue;
+        struct RTCRay ray = ray_of_lane(arguments->rayhit, count, lane);
+        if (!cross_cone(curves, arguments->primID, &ray, &crossing))
+            continue;
+        describe_cone(curves, arguments->primID, &crossing, &found);
+        store_hit(arguments, lane, crossing.distance, &found);
+    }
+}
+
+static void occluded_cone(const struct RTCOccludedFunctionNArguments *arguments)
+{
+    const struct ShimCurves *curves = arguments->geometryUserPtr;
+    unsigned count = arguments->N;
+    for (unsigned lane = 0; lane < count; lane++) {
+        struct Crossing crossing;
+        if (!arguments->valid[lane])
+            continue;
+        struct RTCRay ray = ray_of_lane(arguments->ray, count, lane);
+        if (cross_cone(curves, arguments->primID, &ray, &crossing))
+            OF_RAY(arguments->ray, count, lane, tfar) = -INFINITY;
+    }
+}
+
+/* A little larger than needed: Embree's own slab tests are in single precision. */
+static void cone_bounds(const struct RTCBoundsFunctionArguments *arguments)
+{
+    const struct ShimCurves *curves = arguments->geometryUserPtr;
+    const float *first = curves->points[curves->segments[arguments->primID]];
+    const float *second = first + 4;
+    double low[3], high[3], reach = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = fmin((double)first[axis] - first[3], (double)second[axis] - second[3]);
+        high[axis] = fmax((double)first[axis] + first[3], (double)second[axis] + second[3]);
+        reach = fmax(reach, fmax(-low[axis], high[axis]));
+    }
+    double margin = 4.0 * FLT_EPSILON * reach;
+    struct RTCBounds *box = arguments->bounds_o;
+    box->lower_x = (float)(low[0] - margin);
+    box->lower_y = (float)(low[1] - margin);
+    box->lower_z = (float)(low[2] - margin);
+    box->upper_x = (float)(high[0] + margin);
+    box->upper_y = (float)(high[1] + margin);
+    box->upper_z = (float)(high[2] + margin);
+}
+
+RTCGeometry shim_new_linear_curves(RTCDevice device, const struct ShimCurves *curves)
+{
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    if (!geometry)
+        return NULL;
+    rtcSetGeometryUserPrimitiveCount(geometry, curves->segment_count);
+    /* Embree takes a plain pointer and hands it back as it was: nothing writes through it. */
+    rtcSetGeometryUserData(geometry, (void *)curves);
+    rtcSetGeometryBoundsFunction(geometry, cone_bounds, NULL);
+    rtcSetGeometryIntersectFunction(geometry, intersect_cone);
+    rtcSetGeometryOccludedFunction(geometry, occluded_cone);
     return geometry;
 }

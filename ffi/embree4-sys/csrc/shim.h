@@ -27,6 +27,14 @@ struct ShimShape {
     double to_object[3][3];
 };
 
+/* Linear curves. The owner keeps it, and what it points to, at one address, unchanged, while a
+ * geometry uses it. */
+struct ShimCurves {
+    const float (*points)[4]; /* x, y, z, radius */
+    const unsigned *segments; /* the first of each segment's two points */
+    unsigned segment_count;
+};
+
 /* What a closest hit is. */
 struct ShimHit {
     float distance, u, v;
@@ -58,6 +66,9 @@ void shim_occluded_packet(RTCScene scene, const int *valid, struct RTCRay8 *rays
 
 /* A new, uncommitted user geometry with one primitive; NULL on error. */
 RTCGeometry shim_new_analytic(RTCDevice device, enum ShimKind kind, const struct ShimShape *shape);
+
+/* A new, uncommitted user geometry with one primitive for each segment; NULL on error. */
+RTCGeometry shim_new_linear_curves(RTCDevice device, const struct ShimCurves *curves);
 
 /* The device's last error in words, NULL where this Embree has none. The device may be NULL. */
 const char *shim_error_message(RTCDevice device);

@@ -64,6 +64,40 @@ impl IndexBuffer {
     }
 }
 
+/// Control points of curves with their radii, and where segments begin, shared without a copy. Clones
+/// are cheap and name the same memory.
+#[derive(Clone, Debug)]
+pub struct CurveBuffer {
+    points: Arc<Vec<[f32; 4]>>,
+    segments: Arc<Vec<u32>>,
+}
+
+impl CurveBuffer {
+    /// Takes over curves.
+    ///
+    /// - `points`: x, y, z in the space of the scene that the buffer is added to, and the radius there.
+    /// - `segments`: for each segment the first of its control points, from 0; a segment has that one
+    ///   and those that follow, two for linear curves and four for B-splines.
+    pub fn new(points: Vec<[f32; 4]>, segments: Vec<u32>) -> Self {
+        Self {
+            points: Arc::new(points),
+            segments: Arc::new(segments),
+        }
+    }
+
+    /// The control points with their radii.
+    #[inline]
+    pub fn points(&self) -> &[[f32; 4]] {
+        &self.points
+    }
+
+    /// The first control point of each segment.
+    #[inline]
+    pub fn segments(&self) -> &[u32] {
+        &self.segments
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::VertexBuffer;

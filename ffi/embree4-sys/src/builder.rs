@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use crate::analytic::{self, Kind};
 use crate::bindings;
-use crate::buffers::{IndexBuffer, VertexBuffer};
+use crate::buffers::{CurveBuffer, IndexBuffer, VertexBuffer};
+use crate::curves::LinearCurves;
 use crate::device::Device;
 use crate::error::Error;
 use crate::scene::{CommittedScene, INVALID_ID, SceneHandle};
@@ -51,8 +52,21 @@ impl Default for BuildOptions {
 #[expect(dead_code, reason = "held for its memory, not read")]
 pub(crate) enum Kept {
     Triangles(VertexBuffer, IndexBuffer),
+    Linear(Arc<LinearCurves>),
+    BSplines(CurveBuffer),
     Analytic(Arc<bindings::ShimShape>),
     Instance(Arc<CommittedScene>),
+}
+
+impl Kept {
+    /// As [`CommittedScene::traces_alone`].
+    pub(crate) fn traces_alone(&self) -> bool {
+        match self {
+            Self::BSplines(_) => true,
+            Self::Instance(scene) => scene.traces_alone(),
+            _ => false,
+        }
+    }
 }
 
 /// A scene that geometry is added to.
@@ -61,7 +75,7 @@ pub struct SceneBuilder {
     // Before `kept` and `device`: fields are dropped in order, and Embree goes first.
     handle: SceneHandle,
     kept: Vec<Kept>,
-    device: Device,
+    pub(crate) device: Device,
 }
 
 impl SceneBuilder {
@@ -270,7 +284,11 @@ impl SceneBuilder {
     }
 
     /// Hands a new geometry over to the scene, and what it reads to `kept`.
-    fn attach(&mut self, geometry: bindings::RTCGeometry, kept: Kept) -> Result<GeometryId, Error> {
+    pub(crate) fn attach(
+        &mut self,
+        geometry: bindings::RTCGeometry,
+        kept: Kept,
+    ) -> Result<GeometryId, Error> {
         let count = self.kept.len();
         let id = u32::try_from(count).ok().filter(|&id| id != INVALID_ID);
         // Kept before Embree sees the geometry, and on failure too: it may hold on to it.

@@ -37,6 +37,7 @@
 mod analytic;
 mod buffers;
 mod builder;
+mod curves;
 mod denormals;
 mod device;
 mod error;
@@ -55,8 +56,9 @@ mod bindings {
     include!(concat!(env!("OUT_DIR"), "/bindings.rs"));
 }
 
-pub use buffers::{IndexBuffer, VertexBuffer};
+pub use buffers::{CurveBuffer, IndexBuffer, VertexBuffer};
 pub use builder::{BuildOptions, BuildQuality, GeometryId, SceneBuilder};
+pub use curves::CurveBasis;
 pub use denormals::flush_denormals;
 pub use device::{Device, Version, Versions};
 pub use error::Error;

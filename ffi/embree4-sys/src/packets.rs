@@ -20,6 +20,10 @@ impl CommittedScene {
     /// - `hits`: one a ray is added, in their order.
     #[inline]
     pub fn intersect_all(&self, rays: impl IntoIterator<Item = Ray>, hits: &mut Vec<Option<Hit>>) {
+        if self.traces_alone() {
+            hits.extend(rays.into_iter().map(|ray| self.intersect(&ray)));
+            return;
+        }
         let mut query = RTCRayHit8::default();
         trace_all(
             rays,
@@ -48,6 +52,10 @@ impl CommittedScene {
     /// - `occluded`: one a ray is added, in their order.
     #[inline]
     pub fn occluded_all(&self, rays: impl IntoIterator<Item = Ray>, occluded: &mut Vec<bool>) {
+        if self.traces_alone() {
+            occluded.extend(rays.into_iter().map(|ray| self.occluded(&ray)));
+            return;
+        }
         let mut query = RTCRay8::default();
         trace_all(
             rays,

@@ -111,14 +111,22 @@ pub struct CommittedScene {
     #[expect(dead_code, reason = "held for its memory, not read")]
     kept: Vec<Kept>,
     has_instances: bool,
+    traces_alone: bool,
     device: Device,
 }
 
 impl CommittedScene {
+    /// Whether Embree's packets would find other hits than single rays: so it is with B-splines, where
+    /// a packet's search ends elsewhere within their tolerance.
+    pub(crate) fn traces_alone(&self) -> bool {
+        self.traces_alone
+    }
+
     pub(crate) fn new(handle: SceneHandle, kept: Vec<Kept>, device: Device) -> Self {
         let has_instances = kept.iter().any(|kept| matches!(kept, Kept::Instance(_)));
         Self {
             handle,
+            traces_alone: kept.iter().any(Kept::traces_alone),
             kept,
             has_instances,
             device,

@@ -1,6 +1,7 @@
 //! Tests of the binding through its safe face, against whichever Embree the build found.
 
 mod analytic;
+mod curves;
 mod packets;
 mod referee;
 mod scenes;

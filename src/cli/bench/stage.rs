@@ -143,7 +143,7 @@ impl Stage {
 
 /// Reads a scene; its wishes for further layers would cost time that is not the integrators'.
 fn load(course: &Course, args: &BenchArgs) -> Result<Imported, Failure> {
-    let mut imported = args.scene.load(&course.scene)?;
+    let mut imported = args.scene.load(&course.scene, true)?;
     imported.integrator.aovs.clear();
     imported.integrator.second_moment = false;
     Ok(imported)

@@ -2,8 +2,6 @@
 
 mod daylight;
 
-use std::sync::Arc;
-
 use super::loader::Loader;
 use super::xml::{ColourSource, ColourUse, ElementId, ElementReader};
 use crate::emitter::{
@@ -174,7 +172,7 @@ impl Loader<'_> {
         noted(
             reader,
             "filename",
-            Envmap::new(Arc::new(bitmap), to_world.matrix(), scale),
+            Envmap::new(bitmap, to_world.matrix(), scale),
         )
     }
 }

@@ -3,13 +3,17 @@
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::Progress;
 use super::media::Medium;
 use super::mesh::serialized::SerializedFile;
+use super::shapes::{MeshFault, MeshOutcome};
 use super::textures::Carrier;
 use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
+use crate::image::{self, Bitmap};
 use crate::scene::{BsdfId, GroupId, SceneBuilder};
 use crate::texture::Texture;
 
@@ -29,7 +33,12 @@ pub(super) struct Loader<'t> {
     pub(super) groups: HashMap<ElementId, Option<GroupId>>,
     pub(super) bsdfs: HashMap<ElementId, BsdfId>,
     pub(super) textures: HashMap<ElementId, Option<Texture>>,
-    pub(super) serialized: HashMap<PathBuf, Option<SerializedFile>>,
+    /// Serialized files by name, and the meshes of elements that were read ahead.
+    pub(super) serialized: HashMap<PathBuf, Result<SerializedFile, MeshFault>>,
+    pub(super) meshes: HashMap<ElementId, MeshOutcome>,
+    pub(super) progress: Progress,
+    /// Pictures by file, as decoded.
+    pub(super) bitmaps: RefCell<HashMap<PathBuf, Option<Arc<Bitmap>>>>,
     /// The material of shapes that name none.
     pub(super) default_bsdfs: [Option<BsdfId>; 2],
     /// The light that surrounds the scene.
@@ -48,7 +57,7 @@ pub(super) struct Loader<'t> {
 }
 
 impl<'t> Loader<'t> {
-    pub(super) fn new(tree: &'t SceneTree, problems: &'t Diagnostics) -> Self {
+    pub(super) fn new(tree: &'t SceneTree, problems: &'t Diagnostics, progress: Progress) -> Self {
         Self {
             tree,
             problems,
@@ -60,6 +69,9 @@ impl<'t> Loader<'t> {
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             serialized: HashMap::new(),
+            meshes: HashMap::new(),
+            progress,
+            bitmaps: RefCell::default(),
             default_bsdfs: [None; 2],
             environment: None,
             area_lights: HashSet::new(),
@@ -79,6 +91,25 @@ impl<'t> Loader<'t> {
     /// Where an element stands.
     pub(super) fn location(&self, id: ElementId) -> &'t Location {
         &self.tree[id].location
+    }
+
+    /// Reads a picture, or finds the one that was read before, and takes it into the scene's hash; one
+    /// that cannot be read is noted.
+    pub(super) fn read_bitmap(&self, file: &Path, location: &Location) -> Option<Arc<Bitmap>> {
+        if let Some(known) = self.bitmaps.borrow().get(file) {
+            return known.clone();
+        }
+        let read = self.read_bytes(file, location).and_then(|_| {
+            let read = image::read_bitmap(file);
+            let read = read.map_err(|error| {
+                let message = error.to_string();
+                self.problems.unsupported(location, message, "left out");
+            });
+            read.ok().map(Arc::new)
+        });
+        let mut bitmaps = self.bitmaps.borrow_mut();
+        bitmaps.insert(file.to_owned(), read.clone());
+        read
     }
 
     /// Reads a file that the scene uses, and takes it into the scene's hash; a file that cannot be

@@ -9,6 +9,8 @@ mod integrators;
 mod loader;
 mod media;
 pub mod mesh;
+mod model;
+mod progress;
 mod shapes;
 mod textures;
 mod views;
@@ -25,6 +27,7 @@ use crate::random::SamplerKind;
 use crate::sensor::Sensor;
 use loader::Loader;
 pub use media::{Medium, Phase};
+pub use progress::Progress;
 use xml::{Diagnostic, ElementKind, Location};
 
 /// How to import a scene.
@@ -34,6 +37,8 @@ pub struct ImportOptions {
     pub read: xml::ReadOptions,
     /// Replaces width and height of every film, in pixels.
     pub film_size: Option<(u32, u32)>,
+    /// Who is told of files that have been read.
+    pub progress: Progress,
 }
 
 /// A scene file, imported.
@@ -112,7 +117,7 @@ fn all_of(diagnostics: &[Diagnostic]) -> String {
         .join("\n")
 }
 
-/// Reads a Mitsuba scene file of any generation.
+/// Reads a Mitsuba scene file of any generation, or a model: a Wavefront OBJ file (`.obj`).
 ///
 /// Lengths are taken as metres, angles in the file are degrees, colours are linear Rec.709. Relative
 /// file names are looked up from the folder of the file that holds them.
@@ -121,8 +126,11 @@ fn all_of(diagnostics: &[Diagnostic]) -> String {
 /// [`ImportError::Read`] when `file` cannot be read; [`ImportError::Scene`] with all problems of the
 /// file, warnings included, in the order of the file.
 pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    if let Some(import_model) = model::importer(file) {
+        return import_model(file, options);
+    }
     let document = xml::read_file(file, &options.read)?;
-    let mut loader = Loader::new(&document.tree, &document.problems);
+    let mut loader = Loader::new(&document.tree, &document.problems, options.progress.clone());
     let (views, integrator) = loader.load(options);
     let hash = loader.hash();
     let media = std::mem::take(&mut loader.media);
@@ -154,7 +162,9 @@ impl Loader<'_> {
         for bsdf in reader.children(ElementKind::Bsdf) {
             self.bsdf(bsdf);
         }
-        for shape in reader.children(ElementKind::Shape) {
+        let shapes = reader.children(ElementKind::Shape);
+        self.read_meshes_ahead(&shapes);
+        for shape in shapes {
             self.shape(shape);
         }
         let used_in_shapes = self.area_lights.clone();

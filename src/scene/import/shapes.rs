@@ -1,27 +1,27 @@
 //! Shapes.
 
 mod groups;
-
-use std::path::Path;
+mod meshes;
 
 use super::loader::Loader;
-use super::mesh::serialized::SerializedFile;
-use super::mesh::{ImportedMesh, MeshError, obj, ply};
+use super::mesh::curves;
 use super::textures::Carrier;
 use super::xml::{ElementId, ElementKind, ElementReader};
-use crate::accel::{IndexBuffer, VertexBuffer};
-use crate::math::{Transform, Vec2, Vec3};
+use crate::accel::CurveBasis;
+use crate::math::Vec3;
 use crate::scene::BsdfId;
-use crate::shape::mesh::{MeshAttribute, MeshData};
-use crate::shape::{self, Cylinder, Disk, Shape, ShapeError, Sphere, TriangleMesh};
+use crate::shape::mesh::MeshData;
+use crate::shape::{self, Curves, Cylinder, Disk, Shape, ShapeError, Sphere};
 use crate::texture::Texture;
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 10] = [
+const KNOWN: [&str; 12] = [
+    "bsplinecurve",
     "cube",
     "cylinder",
     "disk",
     "instance",
+    "linearcurve",
     "obj",
     "ply",
     "rectangle",
@@ -29,6 +29,8 @@ const KNOWN: [&str; 10] = [
     "shapegroup",
     "sphere",
 ];
+
+pub(super) use meshes::{MeshFault, MeshOutcome};
 
 /// A shape that is built but not yet in the scene.
 struct Built {
@@ -81,7 +83,9 @@ impl Loader<'_> {
             "cylinder" => self.cylinder(&mut reader),
             "rectangle" => self.primitive(&mut reader, shape::primitives::rectangle()),
             "cube" => self.primitive(&mut reader, shape::primitives::cube()),
-            "obj" | "ply" | "serialized" => self.mesh_file(&mut reader, &mut attributes),
+            "bsplinecurve" => self.curves(&mut reader, CurveBasis::BSpline),
+            "linearcurve" => self.curves(&mut reader, CurveBasis::Linear),
+            "obj" | "ply" | "serialized" => self.mesh_file(id, &mut reader, &mut attributes),
             _ => {
                 self.unknown_plugin(id, KNOWN, "left out");
                 return None;
@@ -97,6 +101,11 @@ impl Loader<'_> {
             Some(bsdf) => self.bsdf(*bsdf),
             None => self.default_bsdf(emitter.is_some()),
         };
+        if let (Some(Shape::Curves(_)), Some(emitter)) = (&built, emitter) {
+            let message = "curves cannot emit light";
+            self.problems.error(self.location(emitter), message);
+            return None;
+        }
         let emission = emitter.and_then(|emitter| Some((self.area_radiance(emitter)?, emitter)));
         self.carrier = None;
         let mut shape = built?;
@@ -145,6 +154,28 @@ impl Loader<'_> {
         Some(cylinder.into())
     }
 
+    fn curves(&self, reader: &mut ElementReader<'_>, basis: CurveBasis) -> Option<Shape> {
+        let to_world = reader.transform("to_world");
+        let flip = reader.boolean("flip_normals", false);
+        // How silhouettes are sampled when scenes are differentiated.
+        reader.ignore(&["silhouette_sampling_weight"]);
+        let file = reader.file("filename")?;
+        let bytes = self.read_bytes(&file, &reader.element().location)?;
+        let parsed = curves::parse(&bytes).map_err(|problem| problem.to_string());
+        let made = parsed.and_then(|curves| {
+            let made = Curves::new(basis, &curves, to_world.matrix());
+            made.map_err(|error| error.to_string())
+        });
+        let noted = made.map_err(|message| {
+            reader.error("filename", format!("{}: {message}", file.display()));
+        });
+        let mut made = noted.ok()?;
+        if flip {
+            made.flip_normals();
+        }
+        Some(made.into())
+    }
+
     /// Notes why a shape's numbers make no shape.
     fn sound<T>(&self, reader: &ElementReader<'_>, built: Result<T, ShapeError>) -> Option<T> {
         built
@@ -153,107 +184,10 @@ impl Loader<'_> {
     }
 
     fn primitive(&self, reader: &mut ElementReader<'_>, data: MeshData) -> Option<Shape> {
-        let to_world = reader.transform("to_world");
+        let to_world = reader.transform("to_world").matrix();
         let flip = reader.boolean("flip_normals", false);
-        self.finish_mesh(reader, data, &to_world, flip)
-    }
-
-    /// Builds the mesh of a file.
-    ///
-    /// - `attributes`: takes those of the mesh.
-    fn mesh_file(
-        &mut self,
-        reader: &mut ElementReader<'_>,
-        attributes: &mut Vec<MeshAttribute>,
-    ) -> Option<Shape> {
-        let to_world = reader.transform("to_world");
-        let flip = reader.boolean("flip_normals", false);
-        let faceted = reader.boolean("face_normals", false);
-        let crease = reader.optional_float("max_smooth_angle");
-        let mesh = self.read_mesh(reader)?;
-        for warning in &mesh.warnings {
-            reader.warning("filename", warning);
-        }
-        let mut data = mesh.data;
-        if faceted || mesh.face_normals {
-            data.remove_normals();
-        } else if let Some(angle) = crease {
-            data.apply_max_smooth_angle(angle);
-        } else if data.normals.is_none() {
-            data.compute_vertex_normals();
-        }
-        *attributes = std::mem::take(&mut data.attributes);
-        self.finish_mesh(reader, data, &to_world, flip)
-    }
-
-    fn read_mesh(&mut self, reader: &mut ElementReader<'_>) -> Option<ImportedMesh> {
-        let plugin = reader.plugin();
-        let flip_default = plugin == "obj";
-        let flip_uv = reader.boolean("flip_tex_coords", flip_default);
-        let index = reader.integer("shape_index", 0);
-        let file = reader.file("filename")?;
-        let location = reader.element().location.clone();
-        if plugin == "serialized" {
-            return self.serialized_mesh(&file, index, reader);
-        }
-        let bytes = self.read_bytes(&file, &location)?;
-        let parsed = match plugin {
-            "obj" => obj::parse(&bytes, flip_uv),
-            _ => ply::parse(&bytes, flip_uv),
-        };
-        let noted = parsed.map_err(|problem| {
-            reader.error("filename", format!("{}: {problem}", file.display()));
-        });
-        noted.ok()
-    }
-
-    fn serialized_mesh(
-        &mut self,
-        file: &Path,
-        index: i64,
-        reader: &ElementReader<'_>,
-    ) -> Option<ImportedMesh> {
-        let note = |error: MeshError| reader.error("filename", error.to_string());
-        if !self.serialized.contains_key(file) {
-            let bytes = self.read_bytes(file, &reader.element().location);
-            let opened =
-                bytes.and_then(|bytes| SerializedFile::open(file, bytes).map_err(note).ok());
-            self.serialized.insert(file.to_owned(), opened);
-        }
-        let opened = self.serialized.get(file)?.as_ref()?;
-        let Ok(index) = usize::try_from(index) else {
-            reader.error(
-                "shape_index",
-                format!("\"shape_index\" is {index}, expected 0 or more"),
-            );
-            return None;
-        };
-        opened.mesh(index).map_err(note).ok()
-    }
-
-    fn finish_mesh(
-        &self,
-        reader: &ElementReader<'_>,
-        mut data: MeshData,
-        to_world: &Transform,
-        flip: bool,
-    ) -> Option<Shape> {
-        data.transform(to_world.matrix());
-        if flip {
-            data.flip_normals();
-        }
-        if let Err(flaw) = data.validate() {
-            reader.error("to_world", format!("after the transform, {flaw}"));
-            return None;
-        }
-        let normals = data
-            .normals
-            .map(|list| list.into_iter().map(Vec3::from_array).collect());
-        let uvs = data
-            .uvs
-            .map(|list| list.into_iter().map(Vec2::from_array).collect());
-        let vertices = VertexBuffer::new(data.positions);
-        let triangles = IndexBuffer::new(data.indices);
-        Some(TriangleMesh::new(vertices, triangles, normals, uvs).into())
+        let placed = meshes::placed(data, to_world, flip);
+        let noted = placed.map_err(|message| reader.error("to_world", message));
+        Some(noted.ok()?.into())
     }
 }

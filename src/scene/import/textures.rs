@@ -1,11 +1,10 @@
 //! Textures.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::loader::Loader;
-use super::xml::{ColourUse, ElementId, ElementKind, ElementReader, Location, did_you_mean};
-use crate::image::{self, Bitmap, Transfer};
+use super::xml::{ColourUse, ElementId, ElementKind, ElementReader, did_you_mean};
+use crate::image::Transfer;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};
 use crate::shape::Shape;
 use crate::shape::mesh::{AttributeDomain, MeshAttribute};
@@ -149,12 +148,14 @@ impl Loader<'_> {
         reader.ignore(&["max_anisotropy", "cache", "format"]);
         let location = reader.element().location.clone();
         let bitmap = self.read_bitmap(&file?, &location)?;
+        let as_if = |transfer| Arc::new(bitmap.as_ref().clone().with_transfer(transfer));
         let bitmap = match gamma {
-            _ if raw => bitmap.with_transfer(Transfer::Linear),
-            Some(gamma) if gamma > 0.0 => bitmap.with_transfer(Transfer::Gamma(gamma)),
+            _ if raw && bitmap.is_srgb_encoded() => as_if(Transfer::Linear),
+            _ if raw => bitmap,
+            Some(gamma) if gamma > 0.0 => as_if(Transfer::Gamma(gamma)),
             _ => bitmap,
         };
-        let texture = texture::Bitmap::new(Arc::new(bitmap), filter, wrap, to_uv);
+        let texture = texture::Bitmap::new(bitmap, filter, wrap, to_uv);
         Some(Texture::Bitmap(texture))
     }
 
@@ -166,7 +167,12 @@ impl Loader<'_> {
                 .unwrap_or(Rgb::grey(default))
         };
         let (first, second) = (colour("color0", 0.4), colour("color1", 0.2));
-        Texture::Checkerboard(Checkerboard::new([first, second], to_uv))
+        let board = Checkerboard::new([first, second], to_uv);
+        Texture::Checkerboard(if self.tree.version().is_first_generation() {
+            board
+        } else {
+            board.with_numbers_swapped()
+        })
     }
 
     fn scaled(&mut self, reader: &mut ElementReader<'_>) -> Option<Texture> {
@@ -191,18 +197,5 @@ impl Loader<'_> {
             map.w_axis.truncate().truncate().extend(1.0),
         );
         Mat3::from_translation(offset) * Mat3::from_scale(scale) * planar
-    }
-
-    /// Reads an image file, and takes it into the scene's hash.
-    pub(super) fn read_bitmap(&self, file: &Path, location: &Location) -> Option<Bitmap> {
-        self.read_bytes(file, location)?;
-        match image::read_bitmap(file) {
-            Ok(bitmap) => Some(bitmap),
-            Err(error) => {
-                self.problems
-                    .unsupported(location, error.to_string(), "left out");
-                None
-            }
-        }
     }
 }

@@ -76,7 +76,11 @@ impl Loader<'_> {
     }
 
     pub(super) fn mask(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let opacity = self.reflectance(reader, "opacity", 0.5);
+        let opacity = match self.reflectance(reader, "opacity", 0.5) {
+            // A number in Mitsuba 3, where a colour has one opacity a channel here.
+            Texture::Checkerboard(board) => board.of_numbers().into(),
+            other => other,
+        };
         Ok(Mask::new(opacity, self.only_nested(reader)).into())
     }
 

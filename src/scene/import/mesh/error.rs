@@ -95,6 +95,23 @@ pub enum MeshProblem {
     },
 }
 
+impl MeshProblem {
+    /// The line of a text file where the problem is, from 1.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Syntax { place, .. }
+            | Self::Truncated { place, .. }
+            | Self::TooLarge { place, .. }
+            | Self::NotFinite { place, .. }
+            | Self::IndexOutOfRange { place, .. } => match place {
+                Place::Line(line) => Some(*line),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
 /// A position in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

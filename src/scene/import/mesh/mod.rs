@@ -8,6 +8,7 @@
 //! has none, unless the shape says `face_normals`. The readers leave `normals` at `None` then and
 //! the choice to the caller.
 
+pub mod curves;
 mod error;
 pub mod obj;
 pub mod ply;

@@ -8,6 +8,8 @@ use super::source::Location;
 /// How bad a [`Diagnostic`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
+    /// Something was made up that the file leaves open.
+    Note,
     /// The scene can be rendered; something in it has no effect or was replaced.
     Warning,
     /// The scene cannot be rendered.
@@ -57,13 +59,15 @@ impl Diagnostic {
 }
 
 impl fmt::Display for Diagnostic {
-    /// `file:line:col: message`, with `warning: ` before the message of a warning.
+    /// `file:line:col: message`, with `warning: ` or `note: ` before the message of one.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(location) = &self.location {
             write!(f, "{location}: ")?;
         }
-        if self.severity == Severity::Warning {
-            f.write_str("warning: ")?;
+        match self.severity {
+            Severity::Note => f.write_str("note: ")?,
+            Severity::Warning => f.write_str("warning: ")?,
+            Severity::Error => {}
         }
         f.write_str(&self.message)
     }
@@ -90,6 +94,11 @@ impl Diagnostics {
     /// Notes that the scene cannot be rendered.
     pub fn error(&self, location: &Location, message: impl Into<String>) {
         self.push(Severity::Error, Some(location), message.into());
+    }
+
+    /// Notes what was made up where the file leaves it open; that is no fault of the file.
+    pub fn note(&self, location: &Location, message: impl Into<String>) {
+        self.push(Severity::Note, Some(location), message.into());
     }
 
     /// Notes that something has no effect; an error under `--strict`.

@@ -13,7 +13,7 @@ use super::suggest::did_you_mean;
 ///
 /// A name as written wins over one that differs in letter case, whatever the folder.
 #[derive(Debug, Default)]
-pub(super) struct FileFinder {
+pub(in crate::scene::import) struct FileFinder {
     root: PathBuf,
     /// From `<path>`.
     paths: Vec<PathBuf>,
@@ -30,7 +30,7 @@ struct Found {
 }
 
 impl FileFinder {
-    pub(super) fn new(root: &Path, extra: &[PathBuf]) -> Self {
+    pub(in crate::scene::import) fn new(root: &Path, extra: &[PathBuf]) -> Self {
         Self {
             root: root.to_path_buf(),
             extra: extra.to_vec(),
@@ -53,7 +53,7 @@ impl FileFinder {
     }
 
     /// Finds `name`, noting what is odd about it; `None` when it is missing, which is noted too.
-    pub(super) fn find_noted(
+    pub(in crate::scene::import) fn find_noted(
         &self,
         name: &str,
         location: &Location,

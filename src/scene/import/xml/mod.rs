@@ -34,6 +34,7 @@ pub use builder::{Document, ReadError, ReadOptions, read_file, read_string};
 pub use colour::{Colour, ColourUse};
 pub use diagnostics::{Diagnostic, Diagnostics, Severity, Strictness};
 pub use element_reader::{ColourSource, ElementReader, NumberOrName, ScalarSource};
+pub(super) use files::FileFinder;
 pub use kinds::ElementKind;
 pub use names::Name;
 pub use source::{Location, Source};

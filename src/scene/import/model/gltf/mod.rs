@@ -1,0 +1,142 @@
+//! A glTF 2.0 file, text or binary, as a scene.
+//!
+//! Photometric units are taken as radiometric ones: a candela as 1 W·sr⁻¹, a lux as 1 W·m⁻², a nit as
+//! 1 W·m⁻²·sr⁻¹. What the format has and this reader has not is told with a warning.
+
+mod buffers;
+mod materials;
+mod meshes;
+mod nodes;
+mod textures;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use gltf::Gltf;
+
+use super::{Model, Surface};
+use crate::image::Bitmap;
+use crate::math::Mat4;
+use crate::scene::GroupId;
+use crate::scene::import::{ImportError, ImportOptions, Imported};
+use crate::shape::mesh::MeshData;
+use crate::texture::{MeshSurface, Texture};
+use buffers::Buffers;
+
+/// The extensions that are read.
+const READ: [&str; 7] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_texture_transform",
+];
+
+/// A file under construction.
+struct Asset<'g> {
+    document: &'g gltf::Document,
+    buffers: Buffers,
+    /// By index; `None` for those that could not be read.
+    images: HashMap<usize, Option<Arc<Bitmap>>>,
+    /// By index of the material; `None` is the default one.
+    surfaces: HashMap<Option<usize>, Surface>,
+    /// How many nodes show a mesh.
+    mesh_uses: HashMap<usize, usize>,
+    /// Meshes that several nodes show.
+    groups: HashMap<usize, Group>,
+}
+
+/// A mesh that several nodes show.
+struct Group {
+    /// What does not glow.
+    id: Option<GroupId>,
+    /// What does, with the index of its primitive.
+    glowing: Vec<(MeshData, usize)>,
+}
+
+/// A mesh with colours of its own.
+struct Carrier {
+    surface: MeshSurface,
+    colours: Texture,
+}
+
+/// Imports a glTF file; see [`crate::scene::import::import`].
+pub(super) fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let (mut model, bytes) = Model::open(file, options)?;
+    match parsed(&bytes) {
+        Ok(Gltf { document, blob }) => model.add_gltf(&document, blob),
+        Err(message) => model.problems.error(&model.line(1), message),
+    }
+    model.finish()
+}
+
+/// Parses a file and checks what its parser takes for granted.
+fn parsed(bytes: &[u8]) -> Result<Gltf, String> {
+    let unsound = |error: gltf::Error| format!("not a sound glTF file: {error}");
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(unsound)?;
+    let json = document.into_json();
+    for (mesh, of_mesh) in json.meshes.iter().enumerate() {
+        for accessor in of_mesh
+            .primitives
+            .iter()
+            .flat_map(|p| p.attributes.values())
+        {
+            if accessor.value() >= json.accessors.len() {
+                let index = accessor.value();
+                return Err(format!("mesh {mesh}: there is no accessor {index}"));
+            }
+        }
+    }
+    for (index, camera) in json.cameras.iter().enumerate() {
+        if camera.perspective.is_none() && camera.orthographic.is_none() {
+            return Err(format!(
+                "camera {index} is neither perspective nor orthographic"
+            ));
+        }
+    }
+    let document = gltf::Document::from_json(json).map_err(unsound)?;
+    Ok(Gltf { document, blob })
+}
+
+impl Model<'_> {
+    fn add_gltf(&mut self, document: &gltf::Document, blob: Option<Vec<u8>>) {
+        for extension in document.extensions_used() {
+            if !READ.contains(&extension) {
+                let message = format!("the extension {extension} is not read; ignored");
+                self.problems.warning(&self.line(1), message);
+            }
+        }
+        if document.animations().len() > 0 {
+            let message = "animations are not read: all stands as at rest";
+            self.problems.warning(&self.line(1), message);
+        }
+        let Some(buffers) = self.gltf_buffers(document, blob) else {
+            return;
+        };
+        let mut mesh_uses = HashMap::new();
+        for mesh in document.nodes().filter_map(|node| node.mesh()) {
+            *mesh_uses.entry(mesh.index()).or_insert(0) += 1;
+        }
+        let mut asset = Asset {
+            document,
+            buffers,
+            images: HashMap::new(),
+            surfaces: HashMap::new(),
+            mesh_uses,
+            groups: HashMap::new(),
+        };
+        let scene = document
+            .default_scene()
+            .or_else(|| document.scenes().next());
+        let Some(scene) = scene else {
+            self.problems.error(&self.line(1), "the file has no scene");
+            return;
+        };
+        for node in scene.nodes() {
+            self.gltf_node(&mut asset, &node, Mat4::IDENTITY, 0);
+        }
+    }
+}
