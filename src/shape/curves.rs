@@ -34,6 +34,17 @@ struct Axis {
     /// How both change along the segment.
     along: DVec3,
     widening: f64,
+    /// How `along` changes.
+    bend: DVec3,
+}
+
+/// The surface around a point of the axis.
+struct Around {
+    /// From the axis, unit.
+    outwards: DVec3,
+    normal: DVec3,
+    /// How a point moves with its place along the segment, at one turn around it.
+    along: DVec3,
 }
 
 impl Curves {
@@ -101,8 +112,8 @@ impl Curves {
 
     /// The axis of a segment at a place along it, in [0, 1].
     fn axis(&self, segment: &[[f32; 4]], at: f64) -> Axis {
-        let (weights, slopes) = match self.basis {
-            CurveBasis::Linear => ([1.0 - at, at, 0.0, 0.0], [-1.0, 1.0, 0.0, 0.0]),
+        let [weights, slopes, bends] = match self.basis {
+            CurveBasis::Linear => [[1.0 - at, at, 0.0, 0.0], [-1.0, 1.0, 0.0, 0.0], [0.0; 4]],
             CurveBasis::BSpline => b_spline(at),
         };
         let mut axis = Axis {
@@ -110,12 +121,15 @@ impl Curves {
             radius: 0.0,
             along: DVec3::ZERO,
             widening: 0.0,
+            bend: DVec3::ZERO,
         };
-        for ((point, weight), slope) in segment.iter().zip(weights).zip(slopes) {
+        let factors = weights.into_iter().zip(slopes).zip(bends);
+        for (point, ((weight, slope), bend)) in segment.iter().zip(factors) {
             let [x, y, z, radius] = point.map(f64::from);
             let centre = DVec3::new(x, y, z);
             axis.centre += centre * weight;
             axis.along += centre * slope;
+            axis.bend += centre * bend;
             axis.radius += radius * weight;
             axis.widening += radius * slope;
         }
@@ -143,10 +157,11 @@ impl Curves {
     }
 }
 
-/// Weights of the four control points of a uniform cubic B-spline, and how they change.
+/// Weights of the four control points of a uniform cubic B-spline, and their first and second
+/// derivatives.
 ///
 /// - `at`: place along the segment, in [0, 1].
-fn b_spline(at: f64) -> ([f64; 4], [f64; 4]) {
+fn b_spline(at: f64) -> [[f64; 4]; 3] {
     let rest = 1.0 - at;
     let weights = [
         rest * rest * rest,
@@ -160,7 +175,50 @@ fn b_spline(at: f64) -> ([f64; 4], [f64; 4]) {
         -rest * (3.0 * rest - 4.0),
         at * at,
     ];
-    (weights.map(|w| w / 6.0), slopes.map(|s| s / 2.0))
+    let bends = [rest, 3.0 * at - 2.0, 3.0 * rest - 2.0, at];
+    [weights.map(|w| w / 6.0), slopes.map(|s| s / 2.0), bends]
+}
+
+impl Axis {
+    /// The unit direction along.
+    fn direction(&self) -> DVec3 {
+        self.along.try_normalize().unwrap_or(DVec3::Z)
+    }
+
+    /// A point of the sphere here, as linear curves have it.
+    fn on_sphere(&self, near: DVec3) -> Around {
+        let outwards = (near - self.centre).try_normalize().unwrap_or(DVec3::X);
+        Around {
+            outwards,
+            normal: outwards,
+            along: self.along + outwards * self.widening,
+        }
+    }
+
+    /// A point of the circle across the axis here, as B-splines have it.
+    fn on_circle(&self, near: DVec3) -> Around {
+        let along = self.direction();
+        let from_axis = near - self.centre;
+        let across = from_axis - along * from_axis.dot(along);
+        let outwards = across.try_normalize();
+        let outwards =
+            outwards.unwrap_or_else(|| Frame::around(along.as_vec3()).tangent.as_dvec3());
+        let speed = self.along.length();
+        // Inside of a bend, points move less than the axis.
+        let stretch = speed - self.radius * outwards.dot(self.bend) / speed;
+        let leaning = outwards * stretch - along * self.widening;
+        // The direction that turns are counted from turns itself.
+        let (level, up) = reference(along);
+        let twist = DVec3::Z.cross(self.bend).dot(up) / DVec3::Z.cross(self.along).dot(level);
+        let twist = if twist.is_finite() { twist } else { 0.0 };
+        Around {
+            outwards,
+            normal: leaning.try_normalize().unwrap_or(outwards) * stretch.signum(),
+            along: along * stretch
+                + outwards * self.widening
+                + along.cross(outwards) * (self.radius * twist),
+        }
+    }
 }
 
 impl ShapeModel for Curves {
@@ -182,29 +240,18 @@ impl ShapeModel for Curves {
             CurveBasis::BSpline => f64::from(hit.barycentrics.x),
         };
         let axis = self.axis(segment, at);
-        let along = axis.along.try_normalize().unwrap_or(DVec3::Z);
-        let from_axis = near - axis.centre;
-        let (outwards, normal) = match self.basis {
-            // Of a sphere.
-            CurveBasis::Linear => {
-                let outwards = from_axis.try_normalize().unwrap_or(DVec3::X);
-                (outwards, outwards)
-            }
-            // Of a circle across the axis, whose size changes along it.
-            CurveBasis::BSpline => {
-                let across = from_axis - along * from_axis.dot(along);
-                let outwards = across
-                    .try_normalize()
-                    .unwrap_or_else(|| Frame::around(along.as_vec3()).tangent.as_dvec3());
-                let slope = axis.along + outwards * axis.widening;
-                let leaning = outwards - slope * (outwards.dot(slope) / slope.length_squared());
-                (outwards, leaning.try_normalize().unwrap_or(outwards))
-            }
+        let Around {
+            outwards,
+            normal,
+            along,
+        } = match self.basis {
+            CurveBasis::Linear => axis.on_sphere(near),
+            CurveBasis::BSpline => axis.on_circle(near),
         };
         let position = axis.centre + outwards * axis.radius;
         let normal = normal.as_vec3() * self.side;
         let count = self.segment_count() as f32;
-        let (around, turn) = around(along, outwards, axis.radius);
+        let (around, turn) = around(axis.direction(), outwards, axis.radius);
         let extent = segment
             .iter()
             .map(|[x, y, z, radius]| Vec3::new(*x, *y, *z).abs().max_element() + radius);
@@ -217,7 +264,7 @@ impl ShapeModel for Curves {
             position: position.as_vec3(),
             geometric_normal: normal,
             shading_normal: normal,
-            derivatives: Derivatives::new(normal, turn, axis.along.as_vec3() * count),
+            derivatives: Derivatives::new(normal, turn, along.as_vec3() * count),
             uv: Vec2::new(around, (hit.primitive as f32 + at as f32) / count),
             error: error * SurfacePoint::error_bound(extent),
         }
@@ -238,13 +285,17 @@ impl ShapeModel for Curves {
     }
 }
 
-/// How far around its axis a direction lies, as a fraction of a turn, and how a point moves with that.
-///
-/// Counted from the direction that lies level and to the left of the axis, as in Mitsuba 3.
-fn around(along: DVec3, outwards: DVec3, radius: f64) -> (f32, Vec3) {
+/// The two directions across a unit axis that turns are counted from: the level one to its left, and
+/// the one above, as in Mitsuba 3.
+fn reference(along: DVec3) -> (DVec3, DVec3) {
     let level = DVec3::Z.cross(along).try_normalize();
     let level = level.unwrap_or(DVec3::Y);
-    let up = along.cross(level);
+    (level, along.cross(level))
+}
+
+/// How far around its axis a direction lies, as a fraction of a turn, and how a point moves with that.
+fn around(along: DVec3, outwards: DVec3, radius: f64) -> (f32, Vec3) {
+    let (level, up) = reference(along);
     let angle = outwards.dot(up).atan2(outwards.dot(level)) as f32;
     let turn = angle / TAU;
     let turn = if turn < 0.0 { turn + 1.0 } else { turn };
