@@ -283,3 +283,25 @@ fn mirrors_show_nothing_to_light_subpaths() {
     let (path, both) = (seen("path"), seen("bdpt"));
     assert!((both / path - 1.0).abs() < 0.1, "{both}, {path}");
 }
+
+/// Beside the film pixels are small, and what is seen there is bright: it must not decide about what light
+/// on the film is rounded to.
+#[test]
+fn light_beside_the_film_does_not_coarsen_the_film() {
+    let unit = |text: &str, view: &View| {
+        let algorithm = integrator(text);
+        let render = algorithm.start(&view.scene, &view.sensor, settings(1, SIDE));
+        render.units()[0].value()
+    };
+    for view in [outdoors(), points(), metals()] {
+        let expected = unit("path", &view);
+        for text in ["bdpt", "ptracer"] {
+            let ratio = unit(text, &view) / expected;
+            assert!(
+                (0.2..5.0).contains(&ratio),
+                "{}, {text}: {ratio}",
+                view.name
+            );
+        }
+    }
+}

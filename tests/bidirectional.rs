@@ -50,7 +50,11 @@ fn trace(
     let (mut eye, mut light) = (sampler(Purpose::Pixel), sampler(Purpose::Light));
     let raster: Vec2 = eye.next_2d() * SIDE as f32;
     let ray = camera_sample(space, raster, &mut eye);
-    let image = LightImage { paths: LIGHT_PATHS };
+    let image = LightImage {
+        paths: LIGHT_PATHS,
+        low: Vec2::ZERO,
+        high: Vec2::splat(SIDE as f32),
+    };
     let mut both = Bidirection::default();
     let samplers = [&mut eye, &mut light];
     tracing.trace(

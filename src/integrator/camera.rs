@@ -38,6 +38,12 @@ impl SampledWindow {
         }
     }
 
+    /// Lower and upper corner of the raster positions of samples, in pixels of the full film.
+    pub(super) fn corners(&self) -> (Vec2, Vec2) {
+        let low = Vec2::new(self.x as f32, self.y as f32);
+        (low, low + Vec2::new(self.width as f32, self.height as f32))
+    }
+
     /// True for pixels that get samples.
     #[inline]
     pub(super) fn contains(&self, (x, y): (i32, i32)) -> bool {

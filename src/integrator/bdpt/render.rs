@@ -59,6 +59,8 @@ impl<'s> BidirectionalRender<'s> {
             sampled: SampledWindow::new(&settings),
             image: LightImage {
                 paths: f64::from(film.width) * f64::from(film.height),
+                low: film.corners().0,
+                high: film.corners().1,
             },
             unit: Unit::for_magnitude(1.0),
             settings,

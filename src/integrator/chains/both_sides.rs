@@ -32,14 +32,13 @@ impl ChainFilm<'_> {
         let mut both = Bidirection::default();
         let image = LightImage {
             paths: f64::from(self.sampled.width) * f64::from(self.sampled.height),
+            low: self.domain.low,
+            high: self.domain.high,
         };
         let camera = (sample.raster, &sample.ray);
         let samplers = [&mut sample.sampler, &mut light];
         let mut found = |both: &Bidirection<'_>, connection: &Connection| {
             let shown = (connection.eye == 0).then_some(connection.raster);
-            if shown.is_some_and(|raster| !self.domain.contains(raster)) {
-                return;
-            }
             let edges = connection.edges() as u32;
             let is_seed = self.seeds.goes_to_chains(edges);
             let fits = is_seed && both.assemble(space, connection, path);

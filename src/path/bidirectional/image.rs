@@ -58,7 +58,8 @@ impl Bidirectional {
         if radiance.is_black() {
             return None;
         }
-        let (raster, ray) = space.sight(&vertex, &lens)?;
+        let sight = space.sight(&vertex, &lens);
+        let (raster, ray) = sight.filter(|(raster, _)| image.contains(*raster))?;
         let ratio = pixels / (image.paths * f64::from(start.probability * density));
         let longer = self.weighing.raise(ratio);
         let made = Made {
@@ -80,7 +81,8 @@ impl Bidirectional {
         let point = PathVertex::surface(&vertex.met, Event::Finite);
         let lens = space.lens_before(&point, lens);
         let (direction, _) = space.edge(&lens, &point)?;
-        let (raster, ray) = space.sight(&point, &lens)?;
+        let sight = space.sight(&point, &lens);
+        let (raster, ray) = sight.filter(|(raster, _)| image.contains(*raster))?;
         let turn = turn(space, vertex, -direction, Transport::Importance)?;
         let pixels = space.pixels_around(&lens, &point)?;
         let weighing = self.weighing;

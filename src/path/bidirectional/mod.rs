@@ -53,9 +53,20 @@ pub struct LightImage {
     /// Light subpaths for each camera sample a pixel: as many as the film, with its filter's border, has
     /// pixels.
     pub paths: f64,
+    /// Lower corner of the raster positions that count, in pixels of the full film. What is seen far beside the
+    /// film can be brighter than all that is seen on it: pixels are small there.
+    pub low: Vec2,
+    /// Their upper corner.
+    pub high: Vec2,
 }
 
 impl LightImage {
+    /// Whether what is seen at a raster position counts.
+    #[inline]
+    fn contains(&self, raster: Vec2) -> bool {
+        raster.cmpge(self.low).all() && raster.cmplt(self.high).all()
+    }
+
     /// Whether a light subpath may be seen at a raster position: not where a sensor shows for a second time
     /// what it shows on its film.
     #[inline]
@@ -196,7 +207,11 @@ impl Bidirectional {
         camera: (Vec2, &CameraRay),
         sampler: &mut impl Numbers,
     ) -> f32 {
-        let image = LightImage { paths: 1.0 };
+        let image = LightImage {
+            paths: 1.0,
+            low: Vec2::ZERO,
+            high: Vec2::ZERO,
+        };
         self.trace_eye(space, camera, &image, sampler, &mut sample.eye);
         sample.eye.alpha
     }
