@@ -8,7 +8,7 @@ use super::args::CompareArgs;
 use super::console::print_line;
 use super::failure::{Failure, sizes_differ};
 use super::outputs::check_file;
-use super::pictures::{cropped, pixels, variance};
+use super::pictures::{cropped, has_correlated_pixels, pixels, variance};
 use crate::image::{ImageError, write_png};
 use crate::output::FileKind;
 use crate::report::{
@@ -27,6 +27,8 @@ struct Findings {
     flip: f64,
     tiles: Option<[TileScores; 4]>,
     tile: u32,
+    /// Whether pixels of a file with variances depend on each other.
+    are_correlated: bool,
     /// Pixels that count and are not finite, of the image and of the reference.
     not_finite: [usize; 2],
 }
@@ -72,7 +74,12 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
             "the mask leaves no pixel to compare".to_owned(),
         ));
     }
+    let variances = [&args.variance, &args.reference_variance];
     let findings = Findings {
+        are_correlated: variances
+            .into_iter()
+            .flatten()
+            .any(|path| has_correlated_pixels(path)),
         comparison,
         flip: mean_flip(&subject, args.exposure),
         tiles: tile_scores(&subject, args.tile),
@@ -150,6 +157,7 @@ impl Findings {
             "flip": self.flip,
             "tile_size": self.tile,
             "tiles": tiles,
+            "correlated_pixels": self.are_correlated,
             "not_finite": { "image": self.not_finite[0], "reference": self.not_finite[1] },
         })
     }
@@ -176,8 +184,14 @@ impl Findings {
         lines.push(row("FLIP", &format!("{:.5}", self.flip)));
         if let Some(tiles) = &self.tiles {
             let side = self.tile;
+            // Only replicas of whole renders tell how much the means of such tiles vary.
+            let of_noise = if self.are_correlated {
+                "chains make neighbours depend on each other: these, and ±, know less than all of it"
+            } else {
+                "noise alone gives a mean z² of 1"
+            };
             lines.push(format!(
-                "z-scores of tiles of {side}x{side} pixels; noise alone gives a mean z² of 1"
+                "z-scores of tiles of {side}x{side} pixels; {of_noise}"
             ));
             for (name, scores) in QUANTITIES.iter().zip(tiles) {
                 lines.push(row(&format!("  {name}"), &tile_text(scores)));

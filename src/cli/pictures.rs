@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::args::Crop;
 use super::failure::Failure;
-use crate::image::{ImageError, read_bitmap, read_exr};
+use crate::image::{AttributeValue, ImageError, read_bitmap, read_exr};
+use crate::integrator::correlates_pixels;
 use crate::math::Rgb;
 use crate::output::FileKind;
 use crate::report::Pixels;
@@ -35,6 +36,14 @@ pub(super) fn variance(path: &Path) -> Result<Pixels, ImageError> {
         }
     }
     pixels(path)
+}
+
+/// Whether a file says that an algorithm has rendered it whose pixels depend on each other.
+pub(super) fn has_correlated_pixels(path: &Path) -> bool {
+    let is_exr = FileKind::of(path) == Some(FileKind::Exr);
+    let image = is_exr.then(|| read_exr(path)).and_then(Result::ok);
+    let name = image.and_then(|mut image| image.metadata.remove("lumiflow.integrator"));
+    matches!(name, Some(AttributeValue::String(name)) if correlates_pixels(&name))
 }
 
 /// Cuts the wanted part out.

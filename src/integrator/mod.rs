@@ -82,6 +82,12 @@ pub fn canonical_name(name: &str) -> &str {
     found.map_or(name, |(_, name)| name)
 }
 
+/// True for algorithms whose pixels depend on each other: chains spread what one sample has found, so
+/// that a mean over a tile varies more than its pixels tell.
+pub fn correlates_pixels(name: &str) -> bool {
+    matches!(canonical_name(name), "erpt" | "pmc-er" | "mlt" | "pssmlt")
+}
+
 /// Names of layers that some algorithm makes on demand.
 pub const OWN_LAYERS: &[&str] = pmc_er::OWN_LAYERS;
 

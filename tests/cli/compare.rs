@@ -1,6 +1,8 @@
 //! `lumiflow compare` and `lumiflow convert`.
 
-use lumiflow::image::{ExrOptions, Image, Precision, read_bitmap, write_exr, write_png};
+use lumiflow::image::{
+    AttributeValue, ExrOptions, Image, Precision, read_bitmap, write_exr, write_png,
+};
 
 use super::Place;
 
@@ -57,6 +59,38 @@ fn known_differences_have_known_errors() {
         &found["means"]["red"]["standard_error"],
         (0.01 * 2.21_f64 / 1024.0).sqrt(),
     );
+}
+
+#[test]
+fn scores_of_pixels_that_depend_on_each_other_say_so() {
+    let place = Place::new();
+    image(&place, "i.exr", 1.1, 0.0);
+    let variances = |integrator: &str| {
+        let mut image = Image::new(SIDE, SIDE);
+        image.push_rgb(
+            "",
+            Precision::Float,
+            &vec![[0.01; 3]; (SIDE * SIDE) as usize],
+        );
+        let name = AttributeValue::String(integrator.to_owned());
+        image
+            .metadata
+            .insert("lumiflow.integrator".to_owned(), name);
+        let _ = write_exr(&place.path("v.exr"), &image, &ExrOptions::default()).unwrap();
+        let arguments = ["compare", "i.exr", "i.exr", "--variance", "v.exr"];
+        let arguments = [&arguments[..], &["--reference-variance", "v.exr"]].concat();
+        let text = place.succeed(&arguments).stdout;
+        let found = place
+            .succeed(&[&arguments[..], &["--json"]].concat())
+            .json();
+        (text, found["correlated_pixels"].as_bool())
+    };
+    let (text, is_correlated) = variances("erpt");
+    assert!(text.contains("depend on each other"), "{text}");
+    assert_eq!(is_correlated, Some(true));
+    let (text, is_correlated) = variances("path");
+    assert!(text.contains("noise alone"), "{text}");
+    assert_eq!(is_correlated, Some(false));
 }
 
 #[test]
