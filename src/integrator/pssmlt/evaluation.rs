@@ -110,6 +110,8 @@ impl<'a> Evaluator<'a> {
                     tracing: *tracing,
                     image: LightImage {
                         paths: plan.pixels(),
+                        low: plan.film.domain.low,
+                        high: plan.film.domain.high,
                     },
                     sample: Box::default(),
                 },
