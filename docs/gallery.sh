@@ -137,6 +137,7 @@ if scene stratification 280x210; then
     show stratification-reference reference
     picture stratification-path path 2
     picture stratification-erpt erpt 1 --set mutations_per_sample=1 --set luminance_samples=10000
+    picture stratification-mlt mlt 1 --set mutations_per_pixel=1 --set luminance_samples=10000
 fi
 filters="--set proposal_filter=box --set consecutive_limit=20"
 if scene indirect-gallery 320x240; then
@@ -145,6 +146,7 @@ if scene indirect-gallery 320x240; then
     # shellcheck disable=SC2086 # several words
     picture indirect-gallery-erpt erpt 24 $filters
     filtered indirect-gallery-filtered indirect-gallery-erpt
+    picture indirect-gallery-mlt mlt 13
 fi
 if scene torus-in-glass 240x240; then
     reference erpt 60
@@ -152,6 +154,7 @@ if scene torus-in-glass 240x240; then
     # shellcheck disable=SC2086 # several words
     picture torus-in-glass-erpt erpt 12 $filters
     filtered torus-in-glass-filtered torus-in-glass-erpt
+    picture torus-in-glass-mlt mlt 8
     size=360x360
     trace torus-in-glass erpt 40
     show torus-in-glass torus-in-glass
