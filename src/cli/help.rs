@@ -189,7 +189,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "deposits",
-        "expected values alone, or weighed against large steps as samples of their own",
+        "expected values alone (all there is where target is path), or weighed against large steps",
     ),
     (
         "max_chains",

@@ -210,17 +210,48 @@ fn what_is_not_read_or_broken_is_told() {
         ("\"POSITION\": 0", "\"NORMAL\": 0", "POSITION"),
         ("{\"asset\"", "[\"asset\"", "not a sound glTF file"),
     ];
-    for (from, to, expected) in cases {
-        assert!(sound.contains(from), "{from}");
-        let said = match notes_of(&sound.replace(from, to)) {
-            Ok(notes) => notes.join("\n"),
-            Err(message) => message,
-        };
-        assert!(
-            said.contains(expected) && said.starts_with("a.gltf:1:1: "),
-            "{to}: {said}"
-        );
+    for case in cases {
+        is_said(&sound, case);
     }
+}
+
+#[test]
+fn versions_and_nodes_that_are_not_of_the_format_are_refused() {
+    let sound = file("{}", "", ONE_NODE);
+    let cases = [
+        (
+            "\"version\": \"2.0\"",
+            "\"version\": \"1.0\"",
+            "found version \"1.0\" of glTF, expected \"2.0\"",
+        ),
+        (
+            "\"version\": \"2.0\"",
+            "\"version\": \"2.0\", \"minVersion\": \"2.1\"",
+            "found version \"2.1\" of glTF, expected \"2.0\"",
+        ),
+        // Each such node would double what is there.
+        (
+            "\"nodes\": [{\"mesh\": 0}]",
+            "\"nodes\": [{\"children\": [1, 1]}, {\"mesh\": 0}]",
+            "node 1 is a child of node 0 and again of node 0, expected one parent",
+        ),
+    ];
+    for case in cases {
+        is_said(&sound, case);
+    }
+}
+
+/// Replaces a piece of a file, and checks what is said then.
+fn is_said(sound: &str, (from, to, expected): (&str, &str, &str)) {
+    assert!(sound.contains(from), "{from}");
+    let said = match notes_of(&sound.replace(from, to)) {
+        Ok(notes) => notes.join("\n"),
+        Err(message) => message,
+    };
+    assert!(
+        said.contains(expected) && said.starts_with("a.gltf:1:1: "),
+        "{to}: {said}"
+    );
 }
 
 /// A binary file of a text and a buffer.
@@ -276,7 +307,7 @@ fn damaged_files_are_refused_or_read() {
         }
     }
     assert!(
-        refused > 300 && read > 300,
+        refused > 250 && read > 250,
         "{refused} refused, {read} read"
     );
 }

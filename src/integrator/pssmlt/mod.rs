@@ -59,14 +59,18 @@ impl Pssmlt {
             "path" => Target::Path,
             _ => Target::Sample,
         };
-        let deposits = options.choice("deposits", &["expected", "weighed"], "weighed")?;
+        let usual = match target {
+            Target::Sample => "weighed",
+            Target::Path => "expected",
+        };
+        let deposits = options.choice("deposits", &["expected", "weighed"], usual)?;
         let weigh_large_steps = deposits == "weighed";
         if weigh_large_steps && target == Target::Path {
-            return Err(options.refused("deposits", "expected where target is path"));
+            return Err(options.refused("deposits", "\"expected\" where target is \"path\""));
         }
         let bidirectional = options.boolean("bidirectional", false)?;
         if bidirectional && target == Target::Path {
-            return Err(options.refused("bidirectional", "false where target is path"));
+            return Err(options.refused("bidirectional", "false where target is \"path\""));
         }
         let seeds = SeedOptions::of_metropolis(options, false)?;
         Ok(Self {

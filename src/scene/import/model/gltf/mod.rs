@@ -78,6 +78,8 @@ fn parsed(bytes: &[u8]) -> Result<Gltf, String> {
     let unsound = |error: gltf::Error| format!("not a sound glTF file: {error}");
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(unsound)?;
     let json = document.into_json();
+    version_is_read(&json.asset)?;
+    nodes_are_a_forest(&json.nodes)?;
     for (mesh, of_mesh) in json.meshes.iter().enumerate() {
         for accessor in of_mesh
             .primitives
@@ -99,6 +101,43 @@ fn parsed(bytes: &[u8]) -> Result<Gltf, String> {
     }
     let document = gltf::Document::from_json(json).map_err(unsound)?;
     Ok(Gltf { document, blob })
+}
+
+/// Refuses versions of the format other than 2.
+fn version_is_read(asset: &gltf::json::Asset) -> Result<(), String> {
+    let major = |version: &str| version.split('.').next() == Some("2");
+    let least = asset.min_version.as_deref().unwrap_or("2.0");
+    if major(&asset.version) && least == "2.0" {
+        return Ok(());
+    }
+    let version = if major(&asset.version) {
+        least
+    } else {
+        &asset.version
+    };
+    Err(format!(
+        "found version {version:?} of glTF, expected \"2.0\""
+    ))
+}
+
+/// Refuses nodes that are there more than once: a few lines could stand for more than fits memory.
+fn nodes_are_a_forest(nodes: &[gltf::json::Node]) -> Result<(), String> {
+    let mut parents = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            // Indices out of range are found later.
+            let Some(known) = parents.get_mut(child.value()) else {
+                continue;
+            };
+            if let Some(first) = known.replace(parent) {
+                let child = child.value();
+                return Err(format!(
+                    "node {child} is a child of node {first} and again of node {parent}, expected one parent"
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 impl Model<'_> {
