@@ -91,6 +91,17 @@ compare() {
     "$lumiflow" compare "$@" | sed -n "s/^ *corrected */$what: relMSE /p; s/^relMSE */$what: with noise of the reference /p"
 }
 
+# The contact sheet: every scene, small, with its size and passes.
+for entry in cornell-box:162x136:16 cornell-caustic:162x136:16 door-ajar:180x136:40 glass-in-glass:180x136:16 \
+    flow-rules:180x136:12 coloured-mirrors:136x136:16 stratification:180x136:12 indirect-gallery:180x136:16 \
+    torus-in-glass:136x136:16 dragon:136x136:24 room:240x136:40 textured-plane:180x136:8; do
+    size=${entry#*:}
+    if scene "${entry%%:*}" "${size%:*}"; then
+        trace "sheet-$scene" erpt "${entry##*:}"
+        show "sheet-$scene" "sheet-$scene"
+    fi
+done
+
 exposure=0
 if scene cornell-box 320x268; then
     picture cornell-box path 256
