@@ -126,6 +126,26 @@ pub struct EmitterSample {
     pub surface: Option<SurfacePoint>,
 }
 
+impl EmitterSample {
+    /// The direction to a light at a point; `None` from right there, and where it sends nothing.
+    ///
+    /// - `intensity`: radiant intensity (W·sr⁻¹) in a unit direction away from the light.
+    #[inline]
+    fn of_point(position: Vec3, from: Vec3, intensity: impl FnOnce(Vec3) -> Rgb) -> Option<Self> {
+        let edge = position - from;
+        let direction = edge.try_normalize()?;
+        let intensity = intensity(-direction);
+        (!intensity.is_black()).then(|| Self {
+            direction,
+            target: Some(position),
+            radiance: intensity / edge.length_squared(),
+            density: SolidAngleDensity(1.0),
+            is_dirac: true,
+            surface: None,
+        })
+    }
+}
+
 /// What a light can answer.
 pub trait EmitterModel {
     /// Lights that stand for the model in tests and benchmarks: each feature, each limit.

@@ -54,17 +54,7 @@ impl EmitterModel for Point {
 
     #[inline(never)]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
-        let edge = self.position - from;
-        let distance_squared = edge.length_squared();
-        let direction = edge.try_normalize()?;
-        Some(EmitterSample {
-            direction,
-            target: Some(self.position),
-            radiance: self.intensity / distance_squared,
-            density: SolidAngleDensity(1.0),
-            is_dirac: true,
-            surface: None,
-        })
+        EmitterSample::of_point(self.position, from, |_| self.intensity)
     }
 
     #[inline]

@@ -123,20 +123,7 @@ impl EmitterModel for Projector {
 
     #[inline(never)]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
-        let edge = self.position - from;
-        let direction = edge.try_normalize()?;
-        let intensity = self.intensity(-direction);
-        if intensity.is_black() {
-            return None;
-        }
-        Some(EmitterSample {
-            direction,
-            target: Some(self.position),
-            radiance: intensity / edge.length_squared(),
-            density: SolidAngleDensity(1.0),
-            is_dirac: true,
-            surface: None,
-        })
+        EmitterSample::of_point(self.position, from, |direction| self.intensity(direction))
     }
 
     /// Directions are uniform on a screen across the axis.

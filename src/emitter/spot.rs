@@ -208,19 +208,8 @@ impl EmitterModel for Spot {
 
     #[inline(never)]
     fn sample_toward(&self, from: Vec3, _u: Vec2) -> Option<EmitterSample> {
-        let edge = self.position - from;
-        let direction = edge.try_normalize()?;
-        let intensity = self.intensity_along(-direction);
-        if intensity.is_black() {
-            return None;
-        }
-        Some(EmitterSample {
-            direction,
-            target: Some(self.position),
-            radiance: intensity / edge.length_squared(),
-            density: SolidAngleDensity(1.0),
-            is_dirac: true,
-            surface: None,
+        EmitterSample::of_point(self.position, from, |direction| {
+            self.intensity_along(direction)
         })
     }
 

@@ -144,6 +144,16 @@ fn offset_in_pixel(
     Sampler::new(settings.sampler, address).next_2d()
 }
 
+/// Mean luminance of 4096 camera samples all over the film: any rough value serves what it is for, if only
+/// all windows of a film have the same.
+///
+/// - `luminance`: of the sample of a cell of a grid, given as for [`sample_of_film`].
+pub(super) fn mean_over_film(mut luminance: impl FnMut((u32, u32)) -> f64) -> f64 {
+    const SIDE: u32 = 64;
+    let luminances = (0..SIDE * SIDE).map(|index| luminance((index, SIDE)));
+    luminances.filter(|l| l.is_finite()).sum::<f64>() / f64::from(SIDE * SIDE)
+}
+
 /// A camera sample of a small estimate all over the film, with numbers of its own.
 ///
 /// - `index`: of `side * side` samples, one in each cell of a grid over the film.

@@ -2,7 +2,7 @@
 
 use super::Algorithm;
 use super::aov::{self, Aov};
-use super::camera::{CameraSample, SampledWindow, sample_of_film};
+use super::camera::{CameraSample, SampledWindow, mean_over_film, sample_of_film};
 use super::render::{Counters, Driver, Integrator};
 use crate::accel::{Hit, Ray};
 use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
@@ -155,33 +155,20 @@ impl<'s> PixelRender<'s> {
         render
     }
 
-    /// Mean luminance of 4096 camera samples all over the film, for its unit: any rough value
-    /// serves, if only all windows of a film have the same.
+    /// Mean luminance, for the film's unit.
     fn mean_luminance(&self) -> f64 {
-        const SIDE: u32 = 64;
         let mut counters = Counters::default();
-        let mut sum = 0.0;
-        for index in 0..SIDE * SIDE {
-            let mut sample = sample_of_film(
-                self.sensor,
-                &self.settings,
-                Purpose::FilmUnit,
-                (index, SIDE),
-            );
+        mean_over_film(|place| {
+            let purpose = Purpose::FilmUnit;
+            let mut sample = sample_of_film(self.sensor, &self.settings, purpose, place);
             let estimate = self.integrator.estimate(
                 self.scene,
                 &sample.ray,
                 &mut sample.sampler,
                 &mut counters,
             );
-            let luminance = f64::from(estimate.radiance.luminance());
-            sum += if luminance.is_finite() {
-                luminance
-            } else {
-                0.0
-            };
-        }
-        sum / f64::from(SIDE * SIDE)
+            f64::from(estimate.radiance.luminance())
+        })
     }
 
     /// Makes one camera sample in every pixel of a unit.

@@ -89,7 +89,10 @@ pub trait SensorModel {
     fn clip(&self, direction: Vec3) -> (f32, f32);
 
     /// Whether rays leave from more than one point.
-    fn has_lens(&self) -> bool;
+    #[inline]
+    fn has_lens(&self) -> bool {
+        false
+    }
 
     /// World-space point of the lens, uniform by area.
     ///
@@ -97,10 +100,18 @@ pub trait SensorModel {
     fn sample_lens(&self, u: Vec2) -> Vec3;
 
     /// World-space point of the lens at coordinates in units of its radius, in the unit disk.
-    fn lens_point(&self, coordinates: Vec2) -> Vec3;
+    #[inline]
+    fn lens_point(&self, coordinates: Vec2) -> Vec3 {
+        let _ = coordinates;
+        self.sample_lens(Vec2::ZERO)
+    }
 
     /// Undoes [`SensorModel::lens_point`]; zero for a pinhole.
-    fn lens_coordinates(&self, origin: Vec3) -> Vec2;
+    #[inline]
+    fn lens_coordinates(&self, origin: Vec3) -> Vec2 {
+        let _ = origin;
+        Vec2::ZERO
+    }
 
     /// The point of the lens from which a ray leaves to `point`: `origin`, except where rays are
     /// parallel.

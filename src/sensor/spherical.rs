@@ -74,23 +74,8 @@ impl SensorModel for Spherical {
     }
 
     #[inline]
-    fn has_lens(&self) -> bool {
-        false
-    }
-
-    #[inline]
     fn sample_lens(&self, _u: Vec2) -> Vec3 {
         self.origin
-    }
-
-    #[inline]
-    fn lens_point(&self, _coordinates: Vec2) -> Vec3 {
-        self.origin
-    }
-
-    #[inline]
-    fn lens_coordinates(&self, _origin: Vec3) -> Vec2 {
-        Vec2::ZERO
     }
 
     fn raster_range(&self) -> Option<Vec2> {

@@ -3,7 +3,9 @@
 use super::Bdpt;
 use crate::film::{Layer, PassBuffer, Unit, Window};
 use crate::integrator::aov;
-use crate::integrator::camera::{CameraSample, SampledWindow, pixel_index, sample_of_film};
+use crate::integrator::camera::{
+    CameraSample, SampledWindow, mean_over_film, pixel_index, sample_of_film,
+};
 use crate::integrator::pixel::PixelSettings;
 use crate::integrator::render::{Counters, Driver, Integrator};
 use crate::math::{Rgb, Vec2};
@@ -71,37 +73,25 @@ impl<'s> BidirectionalRender<'s> {
         render
     }
 
-    /// Mean luminance of 4096 samples all over the film; any rough value serves, if only all windows of a
-    /// film have the same.
+    /// Mean luminance, for the film's unit and for weak connections.
     fn mean_luminance(&self) -> f64 {
-        const SIDE: u32 = 64;
         let mut worker = self.worker();
-        let mut sum = 0.0;
-        for index in 0..SIDE * SIDE {
-            let place = (index, SIDE);
+        mean_over_film(|place| {
             let purpose = Purpose::FilmUnit;
             let mut camera = sample_of_film(self.sensor, &self.settings, purpose, place);
-            let mut light = Sampler::new(
-                SamplerKind::Independent,
-                PixelAddress {
-                    seed: self.settings.seed,
-                    purpose: Purpose::Light,
-                    pixel: index,
-                    sample: u32::MAX,
-                },
-            );
+            let address = PixelAddress {
+                seed: self.settings.seed,
+                purpose: Purpose::Light,
+                pixel: place.0,
+                sample: u32::MAX,
+            };
+            let mut light = Sampler::new(SamplerKind::Independent, address);
             let mut total = Rgb::BLACK;
             self.trace(&mut worker, &mut camera, &mut light, |_, _, energy| {
                 total += energy;
             });
-            let luminance = f64::from(total.luminance());
-            sum += if luminance.is_finite() {
-                luminance
-            } else {
-                0.0
-            };
-        }
-        sum / f64::from(SIDE * SIDE)
+            f64::from(total.luminance())
+        })
     }
 
     fn worker(&self) -> Worker<'s> {

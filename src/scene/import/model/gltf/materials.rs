@@ -60,13 +60,23 @@ impl Model<'_> {
         let [r, g, b, _] = pbr.base_color_factor();
         let factor = Rgb::new(r, g, b).clamp(0.0, 1.0);
         let picture = pbr.base_color_texture();
-        let picture =
-            picture.and_then(|info| self.gltf_texture(asset, info, Part::Colour, carrier));
-        let base = picture.map_or_else(|| factor.into(), |picture| scaled(picture, factor));
+        let base = self.gltf_times(asset, (picture, Part::Colour), carrier, factor);
         match carrier {
             Some(carrier) => Product::new(base, carrier.colours.clone()).into(),
             None => base,
         }
+    }
+
+    /// A part of a picture times a factor; the factor alone without a picture.
+    fn gltf_times<'g>(
+        &mut self,
+        asset: &mut Asset<'g>,
+        (picture, part): (Option<gltf::texture::Info<'g>>, Part),
+        carrier: Option<&Carrier>,
+        factor: Rgb,
+    ) -> Texture {
+        let picture = picture.and_then(|info| self.gltf_texture(asset, info, part, carrier));
+        picture.map_or_else(|| factor.into(), |picture| scaled(picture, factor))
     }
 
     fn gltf_emission<'g>(
@@ -81,9 +91,7 @@ impl Model<'_> {
             return None;
         }
         let picture = material.emissive_texture();
-        let picture =
-            picture.and_then(|info| self.gltf_texture(asset, info, Part::Colour, carrier));
-        let emission = picture.map_or_else(|| factor.into(), |picture| scaled(picture, factor));
+        let emission = self.gltf_times(asset, (picture, Part::Colour), carrier, factor);
         // Many exporters write a factor of one beside a picture that is black.
         (!emission.mean().is_black()).then_some(emission)
     }
@@ -97,11 +105,8 @@ impl Model<'_> {
     ) -> Result<Bsdf, BsdfError> {
         let pbr = material.pbr_metallic_roughness();
         let mut channel = |model: &mut Self, info, index, factor: f32| -> Texture {
-            let info: Option<gltf::texture::Info<'g>> = info;
-            let texture = info
-                .and_then(|info| model.gltf_texture(asset, info, Part::Channel(index), carrier));
-            let factor = factor.clamp(0.0, 1.0);
-            texture.map_or_else(|| factor.into(), |t| scaled(t, Rgb::grey(factor)))
+            let factor = Rgb::grey(factor.clamp(0.0, 1.0));
+            model.gltf_times(asset, (info, Part::Channel(index)), carrier, factor)
         };
         let both = || pbr.metallic_roughness_texture();
         let roughness = channel(self, both(), 1, pbr.roughness_factor());
