@@ -13,7 +13,8 @@ use crate::support::render::{Replicas, integrator, mean, picture, run, settings,
 use crate::support::scenes::{camera, cornell, cornell_camera, part, scene, sphere};
 use crate::support::stages::SIDE;
 use crate::support::two_sided_light::{
-    caustic, lamp, metals, outdoors, patterned, points, seen_by, through_a_lens,
+    caustic, lamp, metals, outdoors, patterned, points, seen_by, through_a_lens, turned,
+    turned_mirror,
 };
 
 const REPLICAS: u64 = 16;
@@ -55,6 +56,7 @@ fn pictures_are_those_of_path_tracing() -> Result<(), String> {
     let views = [
         caustic(),
         metals(),
+        turned(),
         patterned(),
         points(),
         outdoors(),
@@ -99,6 +101,7 @@ fn mirrors_and_glass_are_seen_as_by_path_tracing() -> Result<(), String> {
         hard_scenes::body_in_glass(SIDE),
         hard_scenes::plastics(SIDE),
         hard_scenes::bumpy_mirror(SIDE),
+        turned_mirror(),
         hard_scenes::many_lights(SIDE),
     ] {
         check(

@@ -25,7 +25,9 @@ fn material_p(
         let sample = sampler.sample(wi, &at, transport, u_lobe, u)?;
         (!sample.lobe.is_dirac()).then_some(sample.direction)
     };
-    direction_p(stream, sample, |wo| f64::from(claim.density(wi, wo, &at).0))
+    direction_p(stream, sample, |wo| {
+        f64::from(claim.density(wi, wo, &at, transport).0)
+    })
 }
 
 #[test]

@@ -10,9 +10,16 @@ use crate::support::effort::{level, samples, seed};
 use crate::support::faulty::{Fault, Faulty};
 use crate::support::materials::{Case, cases, direction, numbers, surface_point};
 
-fn sample(bsdf: &dyn BsdfModel, wi: Local, numbers: SampleNumbers) -> Option<BsdfSample> {
+/// From where a material is looked at, and what for.
+type View = (Local, Transport);
+
+fn sample(
+    bsdf: &dyn BsdfModel,
+    (wi, transport): View,
+    numbers: SampleNumbers,
+) -> Option<BsdfSample> {
     let SampleNumbers { u_lobe, u } = numbers;
-    bsdf.sample(wi, &surface_point(), Transport::Radiance, u_lobe, u)
+    bsdf.sample(wi, &surface_point(), transport, u_lobe, u)
 }
 
 fn what(sample: &BsdfSample) -> Sampled {
@@ -35,14 +42,14 @@ struct RoundTrip {
     back: Option<SampleNumbers>,
 }
 
-fn round_trip(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Option<RoundTrip> {
+fn round_trip(bsdf: &dyn BsdfModel, view: View, stream: &mut Stream) -> Option<RoundTrip> {
     let there = uniform(stream);
     let spare = Spare {
         lobe: stream.next_f32(),
         numbers: uniform(stream),
     };
-    let sample = sample(bsdf, wi, there)?;
-    let back = bsdf.invert(wi, what(&sample), &surface_point(), spare);
+    let sample = sample(bsdf, view, there)?;
+    let back = bsdf.invert(view.0, what(&sample), &surface_point(), view.1, spare);
     Some(RoundTrip {
         sample,
         there,
@@ -53,15 +60,15 @@ fn round_trip(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Option<Ro
 /// Share of samples that come out elsewhere when they are made anew from the numbers found.
 ///
 /// A few may: where two lobes meet, or where a mirror is so slanted that its normal has no digits.
-fn lost(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> f64 {
+fn lost(bsdf: &dyn BsdfModel, view: View, stream: &mut Stream) -> f64 {
     const FAR: f32 = 4e-3;
     let (mut count, mut lost) = (0, 0);
     for _ in 0..samples(2000) {
-        let Some(trip) = round_trip(bsdf, wi, stream) else {
+        let Some(trip) = round_trip(bsdf, view, stream) else {
             continue;
         };
         count += 1;
-        let again = trip.back.and_then(|numbers| sample(bsdf, wi, numbers));
+        let again = trip.back.and_then(|numbers| sample(bsdf, view, numbers));
         let is_same = again.is_some_and(|again| {
             let near = again.direction.0.distance(trip.sample.direction.0) < FAR;
             let same_kind = again.lobe.is_dirac() == trip.sample.lobe.is_dirac();
@@ -73,7 +80,7 @@ fn lost(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> f64 {
 }
 
 /// Chance that the numbers found are spread like those that were given, over 4 × 4 × 4 cells.
-fn spread_p(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Option<f64> {
+fn spread_p(bsdf: &dyn BsdfModel, view: View, stream: &mut Stream) -> Option<f64> {
     const SIDE: usize = 4;
     let cell = |numbers: SampleNumbers| {
         let place = |u: f32| ((u * SIDE as f32) as usize).min(SIDE - 1);
@@ -84,7 +91,7 @@ fn spread_p(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Option<f64>
     let mut found = given.clone();
     // Samples apart for both, or the two counts would depend on each other.
     for number in 0..samples(40_000) {
-        let Some(trip) = round_trip(bsdf, wi, stream) else {
+        let Some(trip) = round_trip(bsdf, view, stream) else {
             continue;
         };
         if number % 2 == 0 {
@@ -117,18 +124,21 @@ fn two_samples_p(first: &[f64], second: &[f64]) -> Option<f64> {
     Some(gamma_ur((kept.len() as f64 - 1.0) / 2.0, statistic / 2.0))
 }
 
-/// Every example from every view; samplers do not ask for the transport.
+/// Every example from every view; only samplers of normals that turn ask for the transport.
 fn all() -> Vec<Case> {
     cases(seed(71))
         .into_iter()
-        .filter(|case| case.transport == Transport::Radiance)
+        .filter(|case| {
+            let turns = format!("{:?}", case.bsdf).contains("turning: true");
+            turns || case.transport == Transport::Radiance
+        })
         .collect()
 }
 
 #[test]
 fn numbers_found_make_the_same_sample() {
     for mut case in all() {
-        let share = lost(&case.bsdf, case.wi, &mut case.stream);
+        let share = lost(&case.bsdf, (case.wi, case.transport), &mut case.stream);
         assert!(share < 5e-3, "{}: {share} are lost", case.name);
     }
 }
@@ -138,7 +148,7 @@ fn numbers_found_are_spread_like_those_given() {
     let cases = all();
     let level = sidak(level(0.01), cases.len());
     for mut case in cases {
-        let p = spread_p(&case.bsdf, case.wi, &mut case.stream);
+        let p = spread_p(&case.bsdf, (case.wi, case.transport), &mut case.stream);
         assert!(p.unwrap_or(1.0) > level, "{}: p = {p:?}", case.name);
     }
 }
@@ -146,7 +156,7 @@ fn numbers_found_are_spread_like_those_given() {
 #[test]
 fn planted_errors_are_found() {
     let mut stream = Stream::new(seed(72), Purpose::Check, 0, 0);
-    let wi = direction(50.0, 70.0);
+    let view = (direction(50.0, 70.0), Transport::Radiance);
     for name in [
         "Diffuse",
         "RoughConductor",
@@ -162,9 +172,9 @@ fn planted_errors_are_found() {
             bsdf: example(),
             fault,
         };
-        let share = lost(&faulty(Fault::Inverse), wi, &mut stream);
+        let share = lost(&faulty(Fault::Inverse), view, &mut stream);
         assert!(share > 0.1, "{name}: {share}");
-        let p = spread_p(&faulty(Fault::SpareLobe), wi, &mut stream);
+        let p = spread_p(&faulty(Fault::SpareLobe), view, &mut stream);
         assert!(p.is_some_and(|p| p < 1e-6), "{name}: {p:?}");
     }
 }

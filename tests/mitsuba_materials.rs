@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use lumiflow::bsdf::{
     Bsdf, BsdfError, BsdfModel, BumpMap, ComplexIor, Component, Conductor, Dielectric, Diffuse,
-    Mask, MicrofacetKind, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric,
+    Leaning, Mask, MicrofacetKind, Null, Plastic, RelativeIor, RoughConductor, RoughDielectric,
     RoughPlastic, Roughness, ThinDielectric, Transport, TwoSided,
 };
 use lumiflow::image::{self, Texels};
@@ -287,6 +287,13 @@ fn bumps() -> Texture {
 }
 
 /// With `flip_invalid_normals` off.
+fn leaning(shadowing: bool) -> Leaning {
+    Leaning {
+        shadowing,
+        turning: false,
+    }
+}
+
 #[test]
 fn bumps_of_finite_lobes() -> Result<(), BsdfError> {
     let values = [
@@ -296,7 +303,8 @@ fn bumps_of_finite_lobes() -> Result<(), BsdfError> {
         [0.0; 3],
         [0.0; 3],
     ];
-    let red = |scale, shadowing| BumpMap::new(bumps(), scale, shadowing, Diffuse::new(RED));
+    let red =
+        |scale, shadowing| BumpMap::new(bumps(), scale, leaning(shadowing), Diffuse::new(RED));
     check_values(red(0.5, true), ROUNDING, values);
     check_values(TwoSided::new(red(0.5, true), None)?, ROUNDING, values);
     check_values(red(4.0, true), ROUNDING, [[0.0; 3]; 5]);
@@ -317,7 +325,7 @@ fn bumps_of_finite_lobes() -> Result<(), BsdfError> {
         1.0,
     );
     check_values(
-        BumpMap::new(bumps(), 0.3, true, metal),
+        BumpMap::new(bumps(), 0.3, leaning(true), metal),
         ROUNDING,
         [
             [0.087548, 0.0726339, 0.029618],
@@ -330,7 +338,7 @@ fn bumps_of_finite_lobes() -> Result<(), BsdfError> {
     let roughness = Roughness::isotropic(MicrofacetKind::Ggx, 0.3);
     let glass = RoughDielectric::new(roughness, ior(1.5, 1.0)?, 1.0, 1.0)?;
     check_values(
-        BumpMap::new(bumps(), 0.3, true, glass),
+        BumpMap::new(bumps(), 0.3, leaning(true), glass),
         ROUNDING,
         [
             [0.0208111; 3],
@@ -345,7 +353,7 @@ fn bumps_of_finite_lobes() -> Result<(), BsdfError> {
 
 #[test]
 fn bumps_seen_from_behind() -> Result<(), BsdfError> {
-    let bump = |nested: Bsdf| BumpMap::new(bumps(), 0.5, true, nested);
+    let bump = |nested: Bsdf| BumpMap::new(bumps(), 0.5, leaning(true), nested);
     let red = || Bsdf::from(Diffuse::new(RED));
     let around = TwoSided::new(bump(red()), None)?;
     let inside = bump(TwoSided::new(red(), None)?.into());
@@ -363,7 +371,7 @@ fn bumps_seen_from_behind() -> Result<(), BsdfError> {
 
 #[test]
 fn bumpy_mirrors_and_glass() -> Result<(), BsdfError> {
-    let bump = |nested: Bsdf| BumpMap::new(bumps(), 0.3, true, nested);
+    let bump = |nested: Bsdf| BumpMap::new(bumps(), 0.3, leaning(true), nested);
     let mirror = bump(Conductor::new(None, 1.0).into());
     check_diracs(mirror.clone(), [&[[0.883699; 3]], &[]]);
     let glass = bump(Dielectric::new(ior(1.5, 1.0)?, 1.0, 1.0).into());

@@ -14,7 +14,7 @@ use crate::support::materials::{
 };
 
 /// Outcome of a check; the text says what is wrong.
-type Outcome = Result<(), String>;
+pub(crate) type Outcome = Result<(), String>;
 
 fn close(a: Rgb, b: Rgb, tolerance: f32) -> bool {
     (a - b).0.abs().max_element() <= tolerance * a.0.abs().max(b.0.abs()).max_element()
@@ -69,7 +69,7 @@ fn samples_agree(
             (event.coefficient, event.probability, event.eta)
         } else {
             let value = bsdf.eval(wi, wo, &at, transport);
-            let density = bsdf.density(wi, wo, &at);
+            let density = bsdf.density(wi, wo, &at, transport);
             let both = bsdf.eval_with_density(wi, wo, &at, transport);
             claim(close(both.0, value, 1e-5), || "values differ".into())?;
             let difference = (both.1.0 - density.0).abs();
@@ -195,7 +195,7 @@ fn no_energy_is_made(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Ou
 }
 
 /// Chance that the mean weight of samples is what `eval` and `follow` say.
-fn mean_weight_p(
+pub(crate) fn mean_weight_p(
     bsdf: &dyn BsdfModel,
     wi: Local,
     transport: Transport,
@@ -221,7 +221,7 @@ fn mean_weight_p(
     two_sided_p((mean - exact) / deviation)
 }
 
-/// Importance from `wi` to `wo` is scattered as radiance from `wo` to `wi`.
+/// Importance from `wi` to `wo` is scattered as radiance from `wo` to `wi`, and so the other way round.
 ///
 /// `f*(wi → wo) = f(wo → wi)`. A Dirac's `f` is its coefficient over `|cos θ_o|`, and turning the
 /// δ of `wi` into one of `wo` takes the ratio of their cones. Where the shading normal is that of the
@@ -229,12 +229,17 @@ fn mean_weight_p(
 /// `(η_i / η_o)²`; at a bump their cosines differ as well.
 ///
 /// Source: Veach 1997, Ch. 3 and 5.
-fn light_goes_both_ways(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) -> Outcome {
+pub(crate) fn light_goes_both_ways(
+    bsdf: &dyn BsdfModel,
+    wi: Local,
+    transport: Transport,
+    stream: &mut Stream,
+) -> Outcome {
     const TOLERANCE: f32 = 3e-3;
     let at = surface_point();
     for _ in 0..samples(100) {
         let (u_lobe, u) = numbers(stream);
-        let Some(sample) = bsdf.sample(wi, &at, Transport::Importance, u_lobe, u) else {
+        let Some(sample) = bsdf.sample(wi, &at, transport, u_lobe, u) else {
             continue;
         };
         let wo = sample.direction;
@@ -244,18 +249,18 @@ fn light_goes_both_ways(bsdf: &dyn BsdfModel, wi: Local, stream: &mut Stream) ->
         }
         let (there, back) = if sample.lobe.is_dirac() {
             let back = bsdf
-                .follow(wo, &at, Transport::Radiance, sample.component)
+                .follow(wo, &at, transport.adjoint(), sample.component)
                 .ok_or("a Dirac has no way back")?;
             let apart = back.direction.0.distance(wi.0);
             claim(apart < 1e-3, || format!("the way back is {apart} off"))?;
-            let Some(spread) = spread(bsdf, wi, sample.component) else {
+            let Some(spread) = spread(bsdf, wi, transport, sample.component) else {
                 continue;
             };
             let there = sample.value / wo.abs_cos();
             (there, back.coefficient * (spread / wi.abs_cos()))
         } else {
-            let there = bsdf.eval(wi, wo, &at, Transport::Importance) / wo.abs_cos();
-            let back = bsdf.eval(wo, wi, &at, Transport::Radiance) / wi.abs_cos();
+            let there = bsdf.eval(wi, wo, &at, transport) / wo.abs_cos();
+            let back = bsdf.eval(wo, wi, &at, transport.adjoint()) / wi.abs_cos();
             (there, back)
         };
         claim(close(there, back, TOLERANCE), || {
@@ -306,7 +311,7 @@ fn mean_weights_are_the_integral_of_eval() {
 #[test]
 fn radiance_and_importance_are_adjoint() {
     check_all(25, |case| {
-        light_goes_both_ways(&case.bsdf, case.wi, &mut case.stream)
+        light_goes_both_ways(&case.bsdf, case.wi, case.transport, &mut case.stream)
     });
 }
 
@@ -380,7 +385,7 @@ fn planted_errors_are_found() {
         assert!(no_energy_is_made(&energy, wi, stream).is_err());
         assert!(mean_weight_p(&faulty(name, Fault::Weight), wi, radiance, stream) < 1e-3);
         let cosine = faulty(name, Fault::Cosine);
-        assert!(light_goes_both_ways(&cosine, wi, stream).is_err());
+        assert!(light_goes_both_ways(&cosine, wi, importance, stream).is_err());
     }
     for name in ["Dielectric", "Plastic", "Coating"] {
         let selection = faulty(name, Fault::Selection);
@@ -390,6 +395,6 @@ fn planted_errors_are_found() {
     }
     for name in ["Dielectric", "RoughDielectric", "BumpMap", "NormalMap"] {
         let one_transport = faulty(name, Fault::EtaSquared);
-        assert!(light_goes_both_ways(&one_transport, wi, stream).is_err());
+        assert!(light_goes_both_ways(&one_transport, wi, importance, stream).is_err());
     }
 }

@@ -35,3 +35,4 @@ mod sources;
 mod support;
 mod textures;
 mod transitions;
+mod turned_normals;

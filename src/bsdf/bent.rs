@@ -1,10 +1,12 @@
 //! Materials whose normal leans while the surface stays where it is.
 
+use super::tilt::{Leaning, Tilt, Way, eye};
 use super::{
     Bsdf, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled,
     Spare, Transport,
 };
-use crate::math::{Frame, Local, Rgb, SolidAngleDensity, Vec2, Vec3};
+use crate::math::warp::ONE_MINUS_EPSILON;
+use crate::math::{Local, Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::SurfacePoint;
 
 /// Where a normal leans to.
@@ -22,113 +24,47 @@ pub trait Lean: Sized {
 /// on different sides of the leaning and of the shading normal is black, known or sampled. Holes
 /// have no normal: a [`Lobe::Null`] goes straight on whatever the normal does.
 ///
+/// Where [`Leaning::turning`] is set, the direction to the eye alone says which way the normal leans. So
+/// light does not go both ways between two directions, but radiance and importance stay adjoint.
+///
 /// With [`Transport::Importance`] values belong to the shading normal all the same, as the module's
 /// contract has it: `docs/math.md`, "Bumps".
 ///
-/// Components: those of the material.
+/// Components: those of the material; where normals turn, once more for those that have turned.
 #[derive(Clone, Debug)]
 pub struct Bent<L> {
     lean: L,
-    shadowing: bool,
+    leaning: Leaning,
     nested: Box<Bsdf>,
-}
-
-/// The bump at one point.
-struct Bump {
-    /// The frame that the material works in, written in the shading frame.
-    frame: Frame,
-    /// Squared roughness of the surface of which this bump could be a facet.
-    alpha_squared: f32,
-}
-
-/// A direction in the shading frame and in that of a bump.
-#[derive(Clone, Copy)]
-struct Direction {
-    plain: Local,
-    bent: Local,
-}
-
-impl Direction {
-    /// Whether both normals see it from one side.
-    #[inline]
-    fn is_clear(self) -> bool {
-        self.plain.same_side(self.bent)
-    }
 }
 
 impl<L: Lean> Bent<L> {
     /// Makes the material.
-    ///
-    /// - `shadowing`: darken slanted light as facets of the normal's slope would shadow it, so that
-    ///   there is no hard edge where the normal turns away from light.
-    pub(super) fn leaning(lean: L, shadowing: bool, nested: Bsdf) -> Self {
+    pub(super) fn new_leaning(lean: L, leaning: Leaning, nested: Bsdf) -> Self {
         Self {
             lean,
-            shadowing,
+            leaning,
             nested: Box::new(nested),
         }
     }
 
-    /// The frame of the leaning normal: its tangent is as near to the surface's as it can be.
     #[inline]
-    fn bump(&self, at: &SurfacePoint) -> Bump {
-        let normal = self.lean.normal(at);
-        let alpha_squared = if self.shadowing {
-            let slope_squared = (1.0 / (normal.z * normal.z) - 1.0).max(0.0);
-            (0.125 * slope_squared).min(1.0)
-        } else {
-            0.0
-        };
-        Bump {
-            frame: Frame::with_tangent(normal, Vec3::X),
-            alpha_squared,
-        }
-    }
-}
-
-impl Bump {
-    #[inline]
-    fn bend(&self, plain: Local) -> Direction {
-        Direction {
-            plain,
-            bent: self.frame.to_local(plain.0),
+    fn tilt(&self, at: &SurfacePoint) -> Tilt {
+        Tilt {
+            normal: self.lean.normal(at),
+            leaning: self.leaning,
         }
     }
 
+    /// A component as the material numbers it, and the way that the normal leans for it.
     #[inline]
-    fn unbend(&self, bent: Local) -> Direction {
-        Direction {
-            plain: Local(self.frame.to_world(bent)),
-            bent,
+    fn component(&self, component: Component) -> Option<(Way, Component)> {
+        let count = self.nested.component_count();
+        if component.0 < count {
+            return Some((Way::Given, component));
         }
-    }
-
-    /// Share of the light from a direction that other facets let through.
-    ///
-    /// Source: Conty Estevez, Lecocq & Stein 2019.
-    #[inline]
-    fn unshadowed(&self, light: Local) -> f32 {
-        if self.alpha_squared == 0.0 {
-            return 1.0;
-        }
-        let cos = light.abs_cos();
-        2.0 * cos / (cos + (cos * cos + self.alpha_squared * light.sin_squared()).sqrt())
-    }
-
-    /// What the material's values are multiplied by; zero where a direction is black.
-    #[inline]
-    fn factor(&self, wi: Direction, wo: Direction, transport: Transport) -> f32 {
-        if !(wi.is_clear() && wo.is_clear()) {
-            return 0.0;
-        }
-        match transport {
-            Transport::Radiance => self.unshadowed(wo.plain),
-            Transport::Importance => {
-                let plain = wo.plain.abs_cos() / wi.plain.abs_cos();
-                let bent = wi.bent.abs_cos() / wo.bent.abs_cos();
-                self.unshadowed(wi.plain) * plain * bent
-            }
-        }
+        let turned = Component(component.0 - count);
+        self.leaning.turning.then_some((Way::Turned, turned))
     }
 }
 
@@ -138,7 +74,11 @@ impl<L: Lean> BsdfModel for Bent<L> {
     }
 
     fn lobes(&self) -> LobeSet {
-        self.nested.lobes()
+        let nested = self.nested.lobes();
+        LobeSet {
+            single: nested.single && !self.leaning.turning,
+            ..nested
+        }
     }
 
     fn sample(
@@ -149,7 +89,16 @@ impl<L: Lean> BsdfModel for Bent<L> {
         u_lobe: f32,
         u: Vec2,
     ) -> Option<BsdfSample> {
-        let bump = self.bump(at);
+        let tilt = self.tilt(at);
+        let turned = tilt.turned_share(wi, transport);
+        let (way, share, u_lobe) = if u_lobe < turned {
+            (Way::Turned, turned, u_lobe / turned)
+        } else {
+            let rest = 1.0 - turned;
+            (Way::Given, rest, (u_lobe - turned) / rest)
+        };
+        let u_lobe = u_lobe.min(ONE_MINUS_EPSILON);
+        let bump = tilt.bump(way);
         let wi = bump.bend(wi);
         let mut sample = self.nested.sample(wi.bent, at, transport, u_lobe, u)?;
         if sample.lobe == Lobe::Null {
@@ -157,10 +106,17 @@ impl<L: Lean> BsdfModel for Bent<L> {
             return Some(sample);
         }
         let wo = bump.unbend(sample.direction);
+        if tilt.way(eye(wi.plain, wo.plain, transport)) != way {
+            return None;
+        }
         let factor = bump.factor(wi, wo, transport);
         sample.direction = wo.plain;
         sample.value *= factor;
-        sample.weight *= factor;
+        sample.density *= share;
+        sample.weight *= factor / share;
+        if sample.lobe.is_dirac() && way == Way::Turned {
+            sample.component.0 += self.nested.component_count();
+        }
         (factor > 0.0).then_some(sample)
     }
 
@@ -168,11 +124,21 @@ impl<L: Lean> BsdfModel for Bent<L> {
         self.eval_with_density(wi, wo, at, transport).0
     }
 
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        let bump = self.bump(at);
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        let tilt = self.tilt(at);
+        let way = tilt.way(eye(wi, wo, transport));
+        let share = tilt.share(way, wi, transport);
+        let bump = tilt.bump(way);
         let (wi, wo) = (bump.bend(wi), bump.bend(wo));
         if wi.is_clear() && wo.is_clear() {
-            self.nested.density(wi.bent, wo.bent, at)
+            let nested = self.nested.density(wi.bent, wo.bent, at, transport);
+            SolidAngleDensity(nested.0 * share)
         } else {
             SolidAngleDensity::ZERO
         }
@@ -185,16 +151,19 @@ impl<L: Lean> BsdfModel for Bent<L> {
         at: &SurfacePoint,
         transport: Transport,
     ) -> (Rgb, SolidAngleDensity) {
-        let bump = self.bump(at);
+        let tilt = self.tilt(at);
+        let way = tilt.way(eye(wi, wo, transport));
+        let share = tilt.share(way, wi, transport);
+        let bump = tilt.bump(way);
         let (wi, wo) = (bump.bend(wi), bump.bend(wo));
         let factor = bump.factor(wi, wo, transport);
         if factor == 0.0 {
             return (Rgb::BLACK, SolidAngleDensity::ZERO);
         }
-        let nested = self
+        let (value, density) = self
             .nested
             .eval_with_density(wi.bent, wo.bent, at, transport);
-        (nested.0 * factor, nested.1)
+        (value * factor, SolidAngleDensity(density.0 * share))
     }
 
     fn follow(
@@ -204,24 +173,30 @@ impl<L: Lean> BsdfModel for Bent<L> {
         transport: Transport,
         component: Component,
     ) -> Option<DiracEvent> {
-        let bump = self.bump(at);
+        let (way, component) = self.component(component)?;
+        let tilt = self.tilt(at);
+        let share = tilt.share(way, wi, transport);
+        let bump = tilt.bump(way);
         let wi = bump.bend(wi);
         let event = self.nested.follow(wi.bent, at, transport, component)?;
         if event.lobe == Lobe::Null {
             let direction = wi.plain.straight_on();
-            return Some(DiracEvent { direction, ..event });
+            return (way == Way::Given).then_some(DiracEvent { direction, ..event });
         }
         let wo = bump.unbend(event.direction);
         let factor = bump.factor(wi, wo, transport);
-        (factor > 0.0).then(|| DiracEvent {
+        let is_seen = tilt.way(eye(wi.plain, wo.plain, transport)) == way;
+        (factor > 0.0 && is_seen).then(|| DiracEvent {
             direction: wo.plain,
             coefficient: event.coefficient * factor,
+            probability: event.probability * share,
             ..event
         })
     }
 
     fn component_count(&self) -> u8 {
-        self.nested.component_count()
+        let ways = if self.leaning.turning { 2 } else { 1 };
+        ways * self.nested.component_count()
     }
 
     fn invert(
@@ -229,11 +204,21 @@ impl<L: Lean> BsdfModel for Bent<L> {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
-        let bump = self.bump(at);
+        let tilt = self.tilt(at);
+        let (way, nested) = match sampled {
+            Sampled::Finite(wo) => (tilt.way(eye(wi, wo, transport)), sampled),
+            Sampled::Dirac(component) => {
+                let (way, component) = self.component(component)?;
+                (way, Sampled::Dirac(component))
+            }
+        };
+        let turned = tilt.turned_share(wi, transport);
+        let bump = tilt.bump(way);
         let wi = bump.bend(wi);
-        let sampled = match sampled {
+        let nested = match nested {
             Sampled::Finite(wo) => {
                 let wo = bump.bend(wo);
                 if !(wi.is_clear() && wo.is_clear()) {
@@ -243,7 +228,27 @@ impl<L: Lean> BsdfModel for Bent<L> {
             }
             dirac => dirac,
         };
-        self.nested.invert(wi.bent, sampled, at, spare)
+        let is_hole = |c| {
+            let event = self.nested.follow(wi.bent, at, transport, c);
+            event.is_some_and(|event| event.lobe == Lobe::Null)
+        };
+        let (way, spare) = match nested {
+            // What goes straight on is made around either normal.
+            Sampled::Dirac(component) if is_hole(component) => {
+                let (number, spare) = spare.choose([1.0 - turned, turned])?;
+                ([Way::Given, Way::Turned][number], spare)
+            }
+            _ => (way, spare),
+        };
+        let (low, share) = match way {
+            Way::Given => (turned, 1.0 - turned),
+            Way::Turned => (0.0, turned),
+        };
+        if share == 0.0 {
+            return None;
+        }
+        let numbers = self.nested.invert(wi.bent, nested, at, transport, spare)?;
+        Some(numbers.within(low, share))
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::bent::{Bent, Lean};
 use super::{
-    Bsdf, BsdfModel, Conductor, Dielectric, Diffuse, Mask, MicrofacetKind, Plastic, RoughConductor,
-    RoughDielectric, Roughness, TwoSided,
+    Bsdf, BsdfModel, Conductor, Dielectric, Diffuse, Leaning, Mask, MicrofacetKind, Plastic,
+    RoughConductor, RoughDielectric, Roughness, TwoSided,
 };
 use crate::image::{self, Texels};
 use crate::math::{Mat3, Vec2, Vec3};
@@ -28,17 +28,15 @@ impl BumpMap {
     ///
     /// - `height`: how far the surface is raised along its normal.
     /// - `scale`: metres for each unit of `height`.
-    /// - `shadowing`: darken slanted light as facets of the bump's slope would shadow it, so that
-    ///   there is no hard edge where the bump turns away from light.
     /// - `nested`: the material of the bumps.
     pub fn new(
         height: impl Into<Texture>,
         scale: f32,
-        shadowing: bool,
+        leaning: Leaning,
         nested: impl Into<Bsdf>,
     ) -> Self {
         let height = height.into();
-        Self::leaning(Heights { height, scale }, shadowing, nested.into())
+        Self::new_leaning(Heights { height, scale }, leaning, nested.into())
     }
 }
 
@@ -62,11 +60,14 @@ impl Lean for Heights {
             .chain(coat.map(Bsdf::from))
             .chain(rough_glass.map(Bsdf::from))
             .chain(two_sided.ok().map(Bsdf::from));
-        let diffuse = [0.6, 1.5].map(|scale| BumpMap::new(bumps(), scale, true, Diffuse::new(0.8)));
-        let flat = BumpMap::new(0.5, 1.0, true, Diffuse::new(0.8));
-        let nested = nested
-            .enumerate()
-            .map(|(number, nested)| BumpMap::new(bumps(), 0.3, number % 2 == 0, nested));
+        let leaning = |shadowing, turning| Leaning { shadowing, turning };
+        let diffuse = [(0.6, false), (1.5, false), (1.5, true)].map(|(scale, turning)| {
+            BumpMap::new(bumps(), scale, leaning(true, turning), Diffuse::new(0.8))
+        });
+        let flat = BumpMap::new(0.5, 1.0, leaning(true, true), Diffuse::new(0.8));
+        let nested = nested.enumerate().map(|(number, nested)| {
+            BumpMap::new(bumps(), 0.3, leaning(number % 2 == 0, number > 2), nested)
+        });
         diffuse.into_iter().chain(nested).chain([flat]).collect()
     }
 

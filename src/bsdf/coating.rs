@@ -142,8 +142,14 @@ impl BsdfModel for Coating {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     #[inline(never)]
@@ -202,6 +208,7 @@ impl BsdfModel for Coating {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         if wi.cos() <= 0.0 {
@@ -215,7 +222,7 @@ impl BsdfModel for Coating {
             Sampled::Dirac(component) => Sampled::Dirac(Component(component.0 - 1)),
             finite => finite,
         };
-        let numbers = self.varnish.invert(wi, nested, at, spare)?;
+        let numbers = self.varnish.invert(wi, nested, at, transport, spare)?;
         (choice < 1.0).then(|| numbers.within(choice, 1.0 - choice))
     }
 

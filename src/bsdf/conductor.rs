@@ -89,7 +89,13 @@ impl BsdfModel for Conductor {
     }
 
     #[inline]
-    fn density(&self, _wi: Local, _wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        _wi: Local,
+        _wo: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         SolidAngleDensity::ZERO
     }
 
@@ -112,12 +118,13 @@ impl BsdfModel for Conductor {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Dirac(component) = sampled else {
             return None;
         };
-        self.follow(wi, at, Transport::Importance, component)?;
+        self.follow(wi, at, transport, component)?;
         Some(spare.numbers)
     }
 

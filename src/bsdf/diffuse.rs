@@ -74,7 +74,13 @@ impl BsdfModel for Diffuse {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         if wi.cos() <= 0.0 {
             return SolidAngleDensity::ZERO;
         }
@@ -86,6 +92,7 @@ impl BsdfModel for Diffuse {
         wi: Local,
         sampled: Sampled,
         _at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         match sampled {

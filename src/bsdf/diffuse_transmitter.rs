@@ -54,7 +54,12 @@ impl BsdfModel for DiffuseTransmitter {
             above
         };
         let value = self.eval(wi, wo, at, transport);
-        BsdfSample::finite(wo, value, self.density(wi, wo, at), Lobe::Diffuse)
+        BsdfSample::finite(
+            wo,
+            value,
+            self.density(wi, wo, at, transport),
+            Lobe::Diffuse,
+        )
     }
 
     #[inline]
@@ -66,7 +71,13 @@ impl BsdfModel for DiffuseTransmitter {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         if wi.cos() * wo.cos() >= 0.0 {
             return SolidAngleDensity::ZERO;
         }
@@ -78,6 +89,7 @@ impl BsdfModel for DiffuseTransmitter {
         wi: Local,
         sampled: Sampled,
         _at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         match sampled {

@@ -121,8 +121,14 @@ impl BsdfModel for Mask {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        SolidAngleDensity(self.nested.density(wi, wo, at).0 * self.opacity(at).choice)
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        SolidAngleDensity(self.nested.density(wi, wo, at, transport).0 * self.opacity(at).choice)
     }
 
     #[inline(never)]
@@ -170,6 +176,7 @@ impl BsdfModel for Mask {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let choice = self.opacity(at).choice;
@@ -181,7 +188,7 @@ impl BsdfModel for Mask {
             Sampled::Dirac(component) => Sampled::Dirac(Component(component.0 - 1)),
             finite => finite,
         };
-        let numbers = self.nested.invert(wi, nested, at, spare)?;
+        let numbers = self.nested.invert(wi, nested, at, transport, spare)?;
         (choice > 0.0).then(|| numbers.within(0.0, choice))
     }
 

@@ -171,10 +171,16 @@ impl BsdfModel for Mixture {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
         let parts = self.weighted(at).filter(|(weight, _)| *weight > 0.0);
         let sum: f32 = parts
-            .map(|(weight, part)| part.density(wi, wo, at).0 * weight)
+            .map(|(weight, part)| part.density(wi, wo, at, transport).0 * weight)
             .sum();
         SolidAngleDensity(sum * self.choice())
     }
@@ -227,13 +233,14 @@ impl BsdfModel for Mixture {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let choice = self.choice();
         // What each part has to do with it: its density, or whether the component is its own.
         let share = |(weight, part): (f32, &Bsdf), first_component: u8| match sampled {
             _ if weight <= 0.0 => 0.0,
-            Sampled::Finite(wo) => weight * part.density(wi, wo, at).0,
+            Sampled::Finite(wo) => weight * part.density(wi, wo, at, transport).0,
             Sampled::Dirac(Component(number)) => {
                 let own = first_component..first_component + part.component_count();
                 f32::from(u8::from(own.contains(&number)))
@@ -264,7 +271,9 @@ impl BsdfModel for Mixture {
                 finite => finite,
             };
             let lobe = (rest / own).clamp(0.0, ONE_MINUS_EPSILON);
-            let numbers = part.1.invert(wi, nested, at, Spare { lobe, ..spare })?;
+            let numbers = part
+                .1
+                .invert(wi, nested, at, transport, Spare { lobe, ..spare })?;
             return Some(numbers.within(low, part.0 * choice));
         }
         None

@@ -49,6 +49,7 @@ mod rough_dielectric;
 mod rough_diffuse;
 mod rough_plastic;
 mod thin_dielectric;
+mod tilt;
 mod two_sided;
 mod varnish;
 mod ward;
@@ -82,6 +83,7 @@ pub use rough_dielectric::RoughDielectric;
 pub use rough_diffuse::RoughDiffuse;
 pub use rough_plastic::RoughPlastic;
 pub use thin_dielectric::ThinDielectric;
+pub use tilt::Leaning;
 pub use two_sided::TwoSided;
 pub use ward::{Ward, WardKind};
 
@@ -95,6 +97,17 @@ pub enum Transport {
     Radiance,
     /// Importance: the path was started at a light.
     Importance,
+}
+
+impl Transport {
+    /// That of the same path, built the other way round.
+    #[inline]
+    pub fn adjoint(self) -> Self {
+        match self {
+            Self::Radiance => Self::Importance,
+            Self::Importance => Self::Radiance,
+        }
+    }
 }
 
 /// What a material can answer; see the module's contract.
@@ -125,7 +138,13 @@ pub trait BsdfModel {
     fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb;
 
     /// Density with which [`BsdfModel::sample`] makes `wo` by a finite lobe.
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity;
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity;
 
     /// [`BsdfModel::eval`] and [`BsdfModel::density`] in one, where they share work.
     #[inline]
@@ -136,7 +155,10 @@ pub trait BsdfModel {
         at: &SurfacePoint,
         transport: Transport,
     ) -> (Rgb, SolidAngleDensity) {
-        (self.eval(wi, wo, at, transport), self.density(wi, wo, at))
+        (
+            self.eval(wi, wo, at, transport),
+            self.density(wi, wo, at, transport),
+        )
     }
 
     /// Follows one Dirac component; `None` where it does not exist for `wi`.
@@ -168,6 +190,7 @@ pub trait BsdfModel {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers>;
 
@@ -222,8 +245,8 @@ macro_rules! bsdf_models {
                 match self { $(Self::$model(m) => m.eval(wi, wo, at, transport),)* }
             }
             #[inline]
-            fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-                match self { $(Self::$model(m) => m.density(wi, wo, at),)* }
+            fn density(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> SolidAngleDensity {
+                match self { $(Self::$model(m) => m.density(wi, wo, at, transport),)* }
             }
             #[inline(always)]
             fn eval_with_density(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport)
@@ -238,9 +261,9 @@ macro_rules! bsdf_models {
             fn component_count(&self) -> u8 {
                 match self { $(Self::$model(m) => m.component_count(),)* }
             }
-            fn invert(&self, wi: Local, sampled: Sampled, at: &SurfacePoint, spare: Spare)
+            fn invert(&self, wi: Local, sampled: Sampled, at: &SurfacePoint, transport: Transport, spare: Spare)
                 -> Option<SampleNumbers> {
-                match self { $(Self::$model(m) => m.invert(wi, sampled, at, spare),)* }
+                match self { $(Self::$model(m) => m.invert(wi, sampled, at, transport, spare),)* }
             }
             fn albedo(&self, at: &SurfacePoint) -> Rgb {
                 match self { $(Self::$model(m) => m.albedo(at),)* }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::bent::{Bent, Lean};
 use super::{
-    Bsdf, BsdfModel, Conductor, Dielectric, Diffuse, MicrofacetKind, RoughConductor, Roughness,
+    Bsdf, BsdfModel, Conductor, Dielectric, Diffuse, Leaning, MicrofacetKind, RoughConductor,
+    Roughness,
 };
 use crate::image::{self, Texels};
 use crate::math::{Mat3, Vec3};
@@ -25,11 +26,10 @@ impl NormalMap {
     ///
     /// - `normals`: colours that stand for normals in the shading frame: a channel of 0 means a part
     ///   of −1, and 1 means 1. They need not have the length one.
-    /// - `shadowing`: as for [`super::BumpMap::new`].
     /// - `nested`: the material with these normals.
-    pub fn new(normals: impl Into<Texture>, shadowing: bool, nested: impl Into<Bsdf>) -> Self {
+    pub fn new(normals: impl Into<Texture>, leaning: Leaning, nested: impl Into<Bsdf>) -> Self {
         let normals = normals.into();
-        Self::leaning(Normals { normals }, shadowing, nested.into())
+        Self::new_leaning(Normals { normals }, leaning, nested.into())
     }
 }
 
@@ -47,7 +47,13 @@ impl Lean for Normals {
             .into_iter()
             .chain(glass.map(Bsdf::from))
             .enumerate()
-            .map(|(number, nested)| NormalMap::new(example_normals(), number % 2 == 0, nested))
+            .flat_map(|(number, nested)| {
+                [false, true].map(|turning| {
+                    let shadowing = (number % 2 == 0) != turning;
+                    let leaning = Leaning { shadowing, turning };
+                    NormalMap::new(example_normals(), leaning, nested.clone())
+                })
+            })
             .collect()
     }
 

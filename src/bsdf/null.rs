@@ -58,7 +58,13 @@ impl BsdfModel for Null {
     }
 
     #[inline]
-    fn density(&self, _wi: Local, _wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        _wi: Local,
+        _wo: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         SolidAngleDensity::ZERO
     }
 
@@ -81,12 +87,13 @@ impl BsdfModel for Null {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Dirac(component) = sampled else {
             return None;
         };
-        self.follow(wi, at, Transport::Importance, component)?;
+        self.follow(wi, at, transport, component)?;
         Some(spare.numbers)
     }
 

@@ -131,8 +131,14 @@ impl BsdfModel for Plastic {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     #[inline(never)]
@@ -175,6 +181,7 @@ impl BsdfModel for Plastic {
         wi: Local,
         sampled: Sampled,
         _at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         if wi.cos() <= 0.0 {

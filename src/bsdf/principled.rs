@@ -322,8 +322,7 @@ impl BsdfModel for Principled {
             return None;
         }
         let point = self.at(wi, at);
-        let above = from_above(wi, wi).0;
-        let (wo, lobe) = point.sample(above, u_lobe, u)?;
+        let (wo, lobe) = point.sample(from_above(wi, wi).0, u_lobe, u)?;
         let eta = if wo.cos() > 0.0 {
             1.0
         } else {
@@ -340,8 +339,14 @@ impl BsdfModel for Principled {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     #[inline(never)]
@@ -352,9 +357,7 @@ impl BsdfModel for Principled {
         at: &SurfacePoint,
         transport: Transport,
     ) -> (Rgb, SolidAngleDensity) {
-        let is_dark = wi.cos() == 0.0 || wo.cos() == 0.0;
-        let is_opaque = !self.transmits && (wi.cos() < 0.0 || wo.cos() < 0.0);
-        if is_dark || is_opaque {
+        if wi.cos() == 0.0 || wo.cos() == 0.0 || !self.transmits && wi.cos().min(wo.cos()) < 0.0 {
             return (Rgb::BLACK, SolidAngleDensity::ZERO);
         }
         let point = self.at(wi, at);
@@ -377,6 +380,7 @@ impl BsdfModel for Principled {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Finite(wo) = sampled else {

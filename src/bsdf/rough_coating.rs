@@ -120,8 +120,14 @@ impl BsdfModel for RoughCoating {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     #[inline(never)]
@@ -175,6 +181,7 @@ impl BsdfModel for RoughCoating {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         if wi.cos() <= 0.0 {
@@ -187,9 +194,7 @@ impl BsdfModel for RoughCoating {
             if wo.cos() <= 0.0 {
                 return None;
             }
-            let below = self
-                .varnish
-                .eval_with_density(wi, wo, at, Transport::Importance);
+            let below = self.varnish.eval_with_density(wi, wo, at, transport);
             let densities = [choice * coat.density(wi, wo), (1.0 - choice) * below.1.0];
             let (lobe, rest) = spare.choose(densities)?;
             if lobe == 0 {
@@ -198,7 +203,7 @@ impl BsdfModel for RoughCoating {
             }
             spare = rest;
         }
-        let numbers = self.varnish.invert(wi, sampled, at, spare)?;
+        let numbers = self.varnish.invert(wi, sampled, at, transport, spare)?;
         (choice < 1.0).then(|| numbers.within(choice, 1.0 - choice))
     }
 

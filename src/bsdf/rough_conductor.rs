@@ -88,7 +88,13 @@ impl BsdfModel for RoughConductor {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
             return SolidAngleDensity::ZERO;
         }
@@ -124,6 +130,7 @@ impl BsdfModel for RoughConductor {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         match sampled {

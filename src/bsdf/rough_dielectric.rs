@@ -150,8 +150,14 @@ impl BsdfModel for RoughDielectric {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     /// The value is the density times `G₁(wo)`, the tint, and for radiance `(η_i / η_o)²`.
@@ -206,6 +212,7 @@ impl BsdfModel for RoughDielectric {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Finite(wo) = sampled else {

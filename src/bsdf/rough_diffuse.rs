@@ -145,7 +145,13 @@ impl BsdfModel for RoughDiffuse {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         if wi.cos() <= 0.0 {
             return SolidAngleDensity::ZERO;
         }
@@ -157,6 +163,7 @@ impl BsdfModel for RoughDiffuse {
         wi: Local,
         sampled: Sampled,
         _at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         match sampled {

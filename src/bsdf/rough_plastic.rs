@@ -109,8 +109,14 @@ impl BsdfModel for RoughPlastic {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     /// The value is the coat's `F·D·G / (4 cos θ_i)` and the base's
@@ -145,6 +151,7 @@ impl BsdfModel for RoughPlastic {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Finite(wo) = sampled else {

@@ -124,7 +124,13 @@ impl BsdfModel for ThinDielectric {
     }
 
     #[inline]
-    fn density(&self, _wi: Local, _wo: Local, _at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        _wi: Local,
+        _wo: Local,
+        _at: &SurfacePoint,
+        _transport: Transport,
+    ) -> SolidAngleDensity {
         SolidAngleDensity::ZERO
     }
 
@@ -147,12 +153,13 @@ impl BsdfModel for ThinDielectric {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Dirac(component) = sampled else {
             return None;
         };
-        let event = self.follow(wi, at, Transport::Importance, component)?;
+        let event = self.follow(wi, at, transport, component)?;
         let size = event.probability;
         let low = if component == REFLECTION {
             0.0

@@ -173,9 +173,15 @@ impl BsdfModel for TwoSided {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
         let (bsdf, turn) = self.side(wi);
-        bsdf.density(turn.over(wi), turn.over(wo), at)
+        bsdf.density(turn.over(wi), turn.over(wo), at, transport)
     }
 
     #[inline(always)]
@@ -220,6 +226,7 @@ impl BsdfModel for TwoSided {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let (bsdf, turn) = self.side(wi);
@@ -230,7 +237,7 @@ impl BsdfModel for TwoSided {
                 Sampled::Dirac(Component(nested))
             }
         };
-        bsdf.invert(turn.over(wi), sampled, at, spare)
+        bsdf.invert(turn.over(wi), sampled, at, transport, spare)
     }
 
     fn albedo(&self, at: &SurfacePoint) -> Rgb {

@@ -156,6 +156,7 @@ impl Varnish {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let sampled = match sampled {
@@ -164,7 +165,7 @@ impl Varnish {
             dirac => dirac,
         };
         let inside = self.bend_in(wi)?.inside;
-        self.nested.invert(inside, sampled, at, spare)
+        self.nested.invert(inside, sampled, at, transport, spare)
     }
 
     /// One of the material's Dirac components, seen from outside.

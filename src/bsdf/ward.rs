@@ -135,8 +135,14 @@ impl BsdfModel for Ward {
     }
 
     #[inline]
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
-        self.eval_with_density(wi, wo, at, Transport::Importance).1
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
+        self.eval_with_density(wi, wo, at, transport).1
     }
 
     /// With `D` the Gaussian as a density of normals (that of Beckmann) and `c` the cosine of half of
@@ -169,6 +175,7 @@ impl BsdfModel for Ward {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        _transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
         let Sampled::Finite(wo) = sampled else {

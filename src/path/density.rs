@@ -112,7 +112,10 @@ impl PathSpace<'_> {
             frame.to_local(corner.to_light),
         );
         let bsdf = self.bsdf(corner.vertex)?;
-        Some(f64::from(bsdf.density(wi, wo, &corner.vertex.point).0))
+        Some(f64::from(
+            bsdf.density(wi, wo, &corner.vertex.point, Transport::Radiance)
+                .0,
+        ))
     }
 
     /// Density with which the path tracer samples a light's vertex: in 1/m² on a surface, in 1/sr in an

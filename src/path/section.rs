@@ -26,9 +26,12 @@ impl PathSpace<'_> {
             let found = self.dirac(vertex, vertex.event, wi, Transport::Importance)?;
             return Some(f64::from(found.probability));
         }
-        let density = self
-            .bsdf(vertex)?
-            .density(wi, frame.to_local(to_eye), &vertex.point);
+        let density = self.bsdf(vertex)?.density(
+            wi,
+            frame.to_local(to_eye),
+            &vertex.point,
+            Transport::Importance,
+        );
         Some(f64::from(density.0))
     }
 

@@ -59,13 +59,8 @@ fn bumps_are_read_and_incomplete_ones_refused() {
         &[],
         "scene.xml:3:25: bsdf \"bumpmap\" holds no material",
     );
-    let flipped = "\n<boolean name='flip_invalid_normals' value='true'/>";
-    check(
-        &bumps(&format!("{whole}{flipped}")),
-        &[],
-        "scene.xml:4:1: warning: normals that lean away from the viewer are not flipped; they are \
-         black",
-    );
+    let given = "<boolean name='flip_invalid_normals' value='false'/>";
+    check(&bumps(&format!("{whole}{given}")), &[], "");
 }
 
 #[test]

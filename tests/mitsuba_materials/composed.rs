@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use lumiflow::bsdf::{
-    Bsdf, BsdfError, Diffuse, MicrofacetKind, Mixture, NormalMap, Principled, PrincipledParameters,
-    PrincipledThin, PrincipledThinParameters, RelativeIor, RoughConductor, Roughness,
+    Bsdf, BsdfError, BumpMap, Diffuse, Leaning, MicrofacetKind, Mixture, NormalMap, Principled,
+    PrincipledParameters, PrincipledThin, PrincipledThinParameters, RelativeIor, RoughConductor,
+    RoughDielectric, Roughness,
 };
 use lumiflow::image::{self, Texels};
 use lumiflow::math::{Mat3, Rgb};
 use lumiflow::texture::{self, Filter, Texture, Wrap};
 
-use super::{RED, ROUNDING, check_values, ior};
+use super::{RED, ROUNDING, bumps, check_values, ior, leaning};
 
 const ORANGE: Rgb = Rgb::new(0.8, 0.3, 0.1);
 
@@ -163,12 +164,11 @@ fn normals() -> Texture {
     texture::Bitmap::new(Arc::new(image), filter, wrap, Mat3::IDENTITY).into()
 }
 
-/// With `flip_invalid_normals` off.
 #[test]
 fn normals_from_pictures() {
     let check = |shadowing, nested: Bsdf, values: [[f32; 3]; 3]| {
         let [a, b, c] = values;
-        let bsdf = NormalMap::new(normals(), shadowing, nested);
+        let bsdf = NormalMap::new(normals(), leaning(shadowing), nested);
         check_values(bsdf, 5e-5, [a, b, c, [0.0; 3], [0.0; 3]]);
     };
     let diffuse = || Bsdf::from(Diffuse::new(RED));
@@ -195,4 +195,33 @@ fn normals_from_pictures() {
     check(false, metal().into(), without);
     let with = [0.284509, 0.398562, 0.0635827].map(grey);
     check(true, metal().into(), with);
+}
+
+/// As Mitsuba 3 does by default: with `flip_invalid_normals`.
+#[test]
+fn normals_that_turn_to_the_eye() -> Result<(), BsdfError> {
+    let turning = Leaning {
+        shadowing: true,
+        turning: true,
+    };
+    let red = |scale| BumpMap::new(bumps(), scale, turning, Diffuse::new(RED));
+    let none = [0.0; 3];
+    check_values(
+        red(0.5),
+        ROUNDING,
+        [
+            [0.280675, 0.0623721, 0.0311861],
+            [0.1979, 0.0439777, 0.0219889],
+            [0.26369, 0.0585977, 0.0292988],
+            none,
+            none,
+        ],
+    );
+    let steep = [none, none, [0.111864, 0.0248587, 0.0124294], none, none];
+    check_values(red(4.0), ROUNDING, steep);
+    let roughness = Roughness::isotropic(MicrofacetKind::Ggx, 0.3);
+    let glass = RoughDielectric::new(roughness, ior(1.5, 1.0)?, 1.0, 1.0)?;
+    let values = [0.0, 0.0, 0.0018992, 0.130298, 0.608375].map(|value| [value; 3]);
+    check_values(BumpMap::new(bumps(), 4.0, turning, glass), 5e-5, values);
+    Ok(())
 }

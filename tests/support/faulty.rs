@@ -85,9 +85,15 @@ impl BsdfModel for Faulty {
         }
     }
 
-    fn density(&self, wi: Local, wo: Local, at: &SurfacePoint) -> SolidAngleDensity {
+    fn density(
+        &self,
+        wi: Local,
+        wo: Local,
+        at: &SurfacePoint,
+        transport: Transport,
+    ) -> SolidAngleDensity {
         let scale = if self.is(Fault::Density) { 1.05 } else { 1.0 };
-        SolidAngleDensity(self.bsdf.density(wi, wo, at).0 * scale)
+        SolidAngleDensity(self.bsdf.density(wi, wo, at, transport).0 * scale)
     }
 
     fn follow(
@@ -113,9 +119,12 @@ impl BsdfModel for Faulty {
         wi: Local,
         sampled: Sampled,
         at: &SurfacePoint,
+        transport: Transport,
         spare: Spare,
     ) -> Option<SampleNumbers> {
-        let numbers = self.bsdf.invert(wi, sampled, at, spare)?;
+        let numbers = self
+            .bsdf
+            .invert(wi, sampled, at, self.transport(transport), spare)?;
         let mirrored = Vec2::new(1.0 - numbers.u.x, numbers.u.y).min(Vec2::splat(0.999_999));
         Some(match self.fault {
             Fault::Inverse => SampleNumbers {

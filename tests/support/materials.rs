@@ -82,13 +82,18 @@ pub(crate) fn numbers(stream: &mut Stream) -> (f32, Vec2) {
 
 /// How much wider a Dirac component makes a narrow cone around `wi`: `dσ(wo)/dσ(wi)`, by
 /// differences; `None` where it ends.
-pub(crate) fn spread(bsdf: &dyn BsdfModel, wi: Local, component: Component) -> Option<f32> {
+pub(crate) fn spread(
+    bsdf: &dyn BsdfModel,
+    wi: Local,
+    transport: Transport,
+    component: Component,
+) -> Option<f32> {
     const STEP: f32 = 1e-3;
     let at = surface_point();
     let change = |axis: Vec3| {
         let end = |step: f32| {
             let wi = Local((wi.0 + axis * step).normalize());
-            let event = bsdf.follow(wi, &at, Transport::Importance, component)?;
+            let event = bsdf.follow(wi, &at, transport, component)?;
             Some(event.direction.0)
         };
         Some((end(STEP)? - end(-STEP)?) / (2.0 * STEP))

@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use lumiflow::bsdf::{
-    Bsdf, BumpMap, Conductor, Dielectric, Diffuse, MicrofacetKind, Plastic, RelativeIor,
+    Bsdf, BumpMap, Conductor, Dielectric, Diffuse, Leaning, MicrofacetKind, Plastic, RelativeIor,
     RoughConductor, Roughness,
 };
 use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
@@ -199,11 +199,11 @@ pub(crate) fn stages() -> Vec<Stage> {
         ),
         stage(
             "bumpy glass",
-            [floor(white()), ball(bumpy(glass(1.5))), lamp()],
+            [floor(white()), ball(bumpy(0.02, glass(1.5))), lamp()],
         ),
         stage(
             "bumpy mirror",
-            [floor(white()), ball(bumpy(mirror())), side_lamp()],
+            [floor(white()), ball(bumpy(0.06, mirror())), side_lamp()],
         ),
         mirror_hall(),
         open_air(),
@@ -226,14 +226,18 @@ fn tinted() -> Dielectric {
     Dielectric::new(ior, squares(4.0), squares(8.0))
 }
 
-/// A material on waves.
-fn bumpy(nested: impl Into<Bsdf>) -> BumpMap {
-    let height = |x: u32, y: u32| (x as f32 * 1.6).sin() * (y as f32 * 1.1).cos();
-    let texels = (0..16).flat_map(|y| (0..16).map(move |x| height(x, y)));
+/// A material on waves, whose height is in metres.
+fn bumpy(height: f32, nested: impl Into<Bsdf>) -> BumpMap {
+    let wave = |x: u32, y: u32| (x as f32 * 1.6).sin() * (y as f32 * 1.1).cos();
+    let texels = (0..16).flat_map(|y| (0..16).map(move |x| wave(x, y)));
     let image = image::Bitmap::new(16, 16, 1, Texels::Float(texels.collect()));
     let image = Arc::new(image.expect("a picture of 16 × 16"));
     let waves = texture::Bitmap::new(image, Filter::Bilinear, Wrap::Repeat, Mat3::IDENTITY);
-    BumpMap::new(waves, 0.02, true, nested)
+    let leaning = Leaning {
+        shadowing: true,
+        turning: true,
+    };
+    BumpMap::new(waves, height, leaning, nested)
 }
 
 /// Two liquids side by side, which meet the air in one plane; the lamp is at their bottom.

@@ -155,18 +155,24 @@ impl Densities<'_> {
         };
         let (eye, light) = (local(index - 1), local(index + 1));
         let bsdf = self.space.bsdf(vertex).expect("a surface");
-        let (wi, wo) = if to_eye { (light, eye) } else { (eye, light) };
-        let Some(component) = vertex.event.component() else {
-            return f64::from(bsdf.density(wi, wo, &vertex.point).0);
+        let (wi, wo, transport) = if to_eye {
+            (light, eye, Transport::Importance)
+        } else {
+            (eye, light, Transport::Radiance)
         };
-        let follow = |wi| bsdf.follow(wi, &vertex.point, Transport::Radiance, component);
-        let forward = follow(eye).expect("the path exists");
+        let Some(component) = vertex.event.component() else {
+            return f64::from(bsdf.density(wi, wo, &vertex.point, transport).0);
+        };
+        let follow = |wi, transport| bsdf.follow(wi, &vertex.point, transport, component);
+        let forward = follow(eye, Transport::Radiance).expect("the path exists");
         if !to_eye {
             return f64::from(forward.probability);
         }
         let probability = match self.mistake {
             Mistake::CertainComponent => 1.0,
-            _ => follow(light).map_or(0.0, |back| f64::from(back.probability)),
+            _ => {
+                follow(light, Transport::Importance).map_or(0.0, |back| f64::from(back.probability))
+            }
         };
         match self.mistake {
             Mistake::NoStretch => probability,

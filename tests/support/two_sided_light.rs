@@ -1,12 +1,16 @@
 //! Small scenes whose light is found from either side.
 
+use std::sync::Arc;
+
 use lumiflow::bsdf::{
-    Dielectric, Diffuse, MicrofacetKind, Mixture, Null, RelativeIor, RoughConductor, Roughness,
+    Bsdf, Conductor, Dielectric, Diffuse, Leaning, MicrofacetKind, Mixture, NormalMap, Null,
+    RelativeIor, RoughConductor, Roughness,
 };
 use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
+use lumiflow::image::{self, Texels};
 use lumiflow::math::{Mat3, Mat4, Rgb, Vec2, Vec3};
 use lumiflow::scene::{Scene, SceneBuilder};
-use lumiflow::texture::Checkerboard;
+use lumiflow::texture::{self, Checkerboard, Filter, Wrap};
 
 use super::hard_scenes::View;
 use super::scenes::{Part, camera, faceted_sphere, part, rectangle, scene, sphere, thin_lens};
@@ -16,7 +20,7 @@ fn white() -> Diffuse {
     Diffuse::new(Rgb::new(0.7, 0.7, 0.6))
 }
 
-fn floor(bsdf: impl Into<lumiflow::bsdf::Bsdf>) -> Part {
+fn floor(bsdf: impl Into<Bsdf>) -> Part {
     part(rectangle(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0), bsdf)
 }
 
@@ -91,6 +95,42 @@ pub(crate) fn patterned() -> View {
         added.expect("the shape has an area");
     }
     view("patterned", builder.build().expect("a scene"))
+}
+
+/// A material with steep normals, all of which turn to the eye.
+fn turning(nested: impl Into<Bsdf>) -> NormalMap {
+    let colours = vec![
+        0.9, 0.6, 0.7, 0.2, 0.2, 0.7, 0.5, 0.05, 0.6, 0.1, 0.6, 0.8, 0.5, 0.95, 0.7, 0.6, 0.6, 1.0,
+    ];
+    let image = image::Bitmap::new(3, 2, 3, Texels::Float(colours)).expect("3 × 2 colours");
+    let scale = Mat3::from_scale(Vec2::splat(3.0));
+    let normals = texture::Bitmap::new(Arc::new(image), Filter::Nearest, Wrap::Repeat, scale);
+    let leaning = Leaning {
+        shadowing: true,
+        turning: true,
+    };
+    NormalMap::new(normals, leaning, nested)
+}
+
+/// Normals that turn to the eye.
+pub(crate) fn turned() -> View {
+    turned_around(metal(0.15))
+}
+
+/// The same with a mirror.
+pub(crate) fn turned_mirror() -> View {
+    turned_around(Conductor::new(None, 0.9))
+}
+
+fn turned_around(bsdf: impl Into<Bsdf>) -> View {
+    let ball = sphere(Vec3::new(0.6, 0.5, 0.0), 0.4);
+    let parts = [
+        floor(turning(white())),
+        part(ball, turning(bsdf)),
+        part(sphere(Vec3::new(-0.5, 0.4, 0.0), 0.35), turning(metal(0.4))),
+        lamp(Vec3::new(0.2, 1.8, 0.0)),
+    ];
+    view("turned", scene(parts, |_| {}))
 }
 
 fn blocks() -> [Part; 3] {

@@ -73,13 +73,19 @@ fn turn_to(
         Transport::Radiance => {
             let (value, forward) = ask(met.wi, other);
             let black = value.is_black();
-            let backward = || met.bsdf.density(other, met.wi, &met.point);
+            let backward = || {
+                met.bsdf
+                    .density(other, met.wi, &met.point, Transport::Importance)
+            };
             (value, forward, if black { forward } else { backward() })
         }
         Transport::Importance => {
             let (value, backward) = ask(other, met.wi);
             let black = value.is_black();
-            let forward = || met.bsdf.density(met.wi, other, &met.point);
+            let forward = || {
+                met.bsdf
+                    .density(met.wi, other, &met.point, Transport::Importance)
+            };
             (value, if black { backward } else { forward() }, backward)
         }
     };

@@ -328,11 +328,15 @@ impl Bidirectional {
         }
         let event = Event::of(&sample);
         let backward = match event.component() {
-            None => met.bsdf.density(sample.direction, met.wi, &met.point).0,
+            None => {
+                met.bsdf
+                    .density(sample.direction, met.wi, &met.point, transport.adjoint())
+                    .0
+            }
             // Of the same directions as `density`: solid angles change by the event.
             Some(component) => met
                 .bsdf
-                .follow(sample.direction, &met.point, transport, component)
+                .follow(sample.direction, &met.point, transport.adjoint(), component)
                 .map_or(0.0, |back| back.probability * back.inverse_stretch()),
         };
         let (weight, eta) = match transport {

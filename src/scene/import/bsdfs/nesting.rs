@@ -2,7 +2,8 @@
 
 use super::KNOWN;
 use crate::bsdf::{
-    Bsdf, BsdfError, BumpMap, Coating, Diffuse, Mask, Mixture, NormalMap, RoughCoating, TwoSided,
+    Bsdf, BsdfError, BumpMap, Coating, Diffuse, Leaning, Mask, Mixture, NormalMap, RoughCoating,
+    TwoSided,
 };
 use crate::math::Rgb;
 use crate::scene::import::loader::Loader;
@@ -86,30 +87,27 @@ impl Loader<'_> {
 
     pub(super) fn bump_map(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
         let scale = reader.float("scale", 1.0);
-        let shadowing = self.leaning(reader);
+        let leaning = self.leaning(reader);
         let height = self.only_texture(reader).unwrap_or_else(|| 0.0.into());
-        BumpMap::new(height, scale, shadowing, self.only_nested(reader)).into()
+        BumpMap::new(height, scale, leaning, self.only_nested(reader)).into()
     }
 
     pub(super) fn normal_map(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {
-        let shadowing = self.leaning(reader);
+        let leaning = self.leaning(reader);
         let straight = || Rgb::new(0.5, 0.5, 1.0).into();
         let normals = self.only_texture(reader).unwrap_or_else(straight);
-        NormalMap::new(normals, shadowing, self.only_nested(reader)).into()
+        NormalMap::new(normals, leaning, self.only_nested(reader)).into()
     }
 
-    /// What materials with leaning normals share: whether they shadow.
-    fn leaning(&mut self, reader: &mut ElementReader<'_>) -> bool {
+    /// What materials with leaning normals share.
+    fn leaning(&mut self, reader: &mut ElementReader<'_>) -> Leaning {
         self.follows_coordinates = true;
-        if reader.boolean("flip_invalid_normals", false) {
-            reader.warning(
-                "flip_invalid_normals",
-                "normals that lean away from the viewer are not flipped; they are black",
-            );
+        // The first generation knows neither.
+        let default = !self.tree.version().is_first_generation();
+        Leaning {
+            shadowing: reader.boolean("use_shadowing_function", default),
+            turning: reader.boolean("flip_invalid_normals", default),
         }
-        // The first generation's bumps do not shadow each other.
-        let shadowing = !self.tree.version().is_first_generation();
-        reader.boolean("use_shadowing_function", shadowing)
     }
 
     /// The one texture inside of a material.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::mtl::{Map, MapKind, Material};
-use super::{MadeSurface, Model, line_of};
+use super::{LEANING, MadeSurface, Model, line_of};
 use crate::bsdf::{
     Bsdf, BsdfError, BumpMap, Conductor, Dielectric, Diffuse, Mask, MicrofacetKind, NormalMap,
     Phong, Principled, PrincipledParameters, RelativeIor, RoughConductor, Roughness, TwoSided,
@@ -135,10 +135,10 @@ impl Model<'_> {
             Some((picture, map.height))
         };
         if let Some((normals, _)) = pictured(self, MapKind::Normal) {
-            return NormalMap::new(normals, true, nested).into();
+            return NormalMap::new(normals, LEANING, nested).into();
         }
         match pictured(self, MapKind::Bump) {
-            Some((height, scale)) => BumpMap::new(height, scale, true, nested).into(),
+            Some((height, scale)) => BumpMap::new(height, scale, LEANING, nested).into(),
             None => nested,
         }
     }

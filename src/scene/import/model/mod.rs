@@ -17,7 +17,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::xml::{Diagnostics, FileFinder, Location, ReadError, Source};
 use super::{ImportError, ImportOptions, Imported, IntegratorRequest, View};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Leaning};
 use crate::emitter::Constant;
 use crate::math::Rgb;
 use crate::scene::{BsdfId, SceneBuilder};
@@ -37,6 +37,12 @@ pub(super) fn importer(file: &Path) -> Option<Importer> {
         _ => None,
     }
 }
+
+/// How bumps and normals of pictures lean: no eye sees a black rim.
+const LEANING: Leaning = Leaning {
+    shadowing: true,
+    turning: true,
+};
 
 /// A material, and how meshes must be made for it.
 #[derive(Clone)]

@@ -3,7 +3,7 @@
 use gltf::material::AlphaMode;
 
 use super::super::materials::scaled;
-use super::super::{MadeSurface, Model};
+use super::super::{LEANING, MadeSurface, Model};
 use super::textures::Part;
 use super::{Asset, Carrier};
 use crate::bsdf::{
@@ -155,7 +155,7 @@ impl Model<'_> {
         };
         let part = Part::Normals(normals.scale());
         match self.gltf_texture(asset, normals, part, carrier) {
-            Some(texture) => NormalMap::new(texture, true, nested).into(),
+            Some(texture) => NormalMap::new(texture, LEANING, nested).into(),
             None => nested,
         }
     }
