@@ -212,7 +212,7 @@ fn a_window_shows_what_the_whole_film_shows_there() {
     }
 }
 
-const CHAINS: [&str; 11] = [
+const CHAINS: [&str; 13] = [
     "erpt max_depth=6 chain_length=10 mutations_per_sample=10 direct_samples=2 proposal_filter=luminance consecutive_limit=4",
     "erpt max_depth=6 flow=detailed chain_length=4 separate_direct=false proposal_filter=median",
     "erpt max_depth=6 flow=iterated flow_depth=3 mutations_per_sample=10 direct_samples=1",
@@ -224,6 +224,8 @@ const CHAINS: [&str; 11] = [
     "mlt max_depth=6 direct_samples=2 chains=30 proposal_filter=box consecutive_limit=4",
     "mlt max_depth=6 separate_direct=false noise_aware=true luminance_samples=500",
     "pssmlt max_depth=6 separate_direct=false target=path deposits=expected luminance_samples=500",
+    "mmlt max_depth=6 direct_samples=2 chains=30",
+    "mmlt separate_direct=false noise_aware=true luminance_samples=500 mutations_per_pixel=2",
 ];
 
 /// A render by chains with all the layers that there are.

@@ -101,7 +101,7 @@ fn enclosures_in_balance_have_radiance_one() -> Result<(), String> {
 }
 
 /// Chains under every flow rule.
-const CHAINS: [&str; 11] = [
+const CHAINS: [&str; 12] = [
     "erpt chain_length=20 mutations_per_sample=20",
     "erpt chain_length=5 mutations_per_sample=20 expected_values=false separate_direct=false",
     "erpt flow=detailed chain_length=3 separate_direct=false",
@@ -113,6 +113,7 @@ const CHAINS: [&str; 11] = [
     "pssmlt mutations_per_pixel=20 luminance_samples=256",
     "pssmlt bidirectional=true mutations_per_pixel=5 luminance_samples=256",
     "pssmlt mutations_per_pixel=20 luminance_samples=256 deposits=expected target=path separate_direct=false",
+    "mmlt mutations_per_pixel=20 luminance_samples=256 separate_direct=false",
 ];
 
 #[test]

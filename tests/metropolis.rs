@@ -47,19 +47,23 @@ fn check(number: usize, view: &View) -> Result<(), String> {
     Reference::new(view).check_all(view, ways)
 }
 
+const BOTH_SIDES: [&str; 5] = [
+    "pssmlt bidirectional=true mutations_per_pixel=10 chains=40 noise_aware=true",
+    "pssmlt bidirectional=true mutations_per_pixel=10 chains=40 deposits=expected separate_direct=false",
+    "mmlt mutations_per_pixel=20 chains=64 noise_aware=true",
+    "mmlt mutations_per_pixel=20 chains=8 separate_direct=false p_large=0.05 rr_depth=3 mis=balance",
+    "mmlt mutations_per_pixel=20 chains=500 p_large=0 step_largest=0.2 rr_depth=1 mis=maximum",
+];
+
 /// Samples from both sides, among lights that have no paths that only they find.
 #[test]
 fn samples_from_both_sides_stay_the_same() -> Result<(), String> {
     let way = |options: &str| Way {
-        options: format!("pssmlt bidirectional=true mutations_per_pixel=10 chains=40 {options}"),
+        options: options.to_owned(),
         passes: if is_proof() { 24 } else { 2 },
     };
     for view in [indirect(SIDE), glass_caustic(SIDE, 1.0), out_of_focus(SIDE)] {
-        let ways = [
-            way("noise_aware=true"),
-            way("deposits=expected separate_direct=false"),
-        ];
-        Reference::new(&view).check_all(&view, ways)?;
+        Reference::new(&view).check_all(&view, BOTH_SIDES.into_iter().map(way))?;
     }
     Ok(())
 }
@@ -135,7 +139,7 @@ fn paths_beside_a_spherical_film_keep_their_energy() {
     let look = |text: &str| mean(&picture(&stage.scene, &stage.sensor, text, wide(), 64));
     let expected = look("path max_depth=6");
     assert!(expected > 0.0);
-    for text in ["pssmlt max_depth=6", "mlt max_depth=6"] {
+    for text in ["pssmlt max_depth=6", "mlt max_depth=6", "mmlt max_depth=6"] {
         let found = look(text);
         assert!(
             (found / expected - 1.0).abs() < 0.03,

@@ -197,6 +197,10 @@ fn more_mutations_need_no_more_allocations() {
             "pssmlt chains=4 mutations_per_pixel=1 luminance_samples=500",
             "pssmlt chains=4 mutations_per_pixel=30 luminance_samples=500",
         ),
+        (
+            "mmlt chains=4 mutations_per_pixel=1 luminance_samples=500",
+            "mmlt chains=4 mutations_per_pixel=30 luminance_samples=500",
+        ),
     ] {
         let (few_allocations, few_mutations) = allocations(&scene, few);
         let (many_allocations, many_mutations) = allocations(&scene, many);

@@ -25,6 +25,7 @@ mod meshes;
 mod metropolis;
 mod mitsuba_materials;
 mod mixtures;
+mod multiplexed;
 mod paths;
 mod pmc_er;
 mod primary_space;

@@ -134,7 +134,7 @@ pub(super) struct RenderArgs {
 
     /// Further layers of the EXR file, with commas between: albedo, sh_normal, geo_normal, depth,
     /// position, uv; variance (of the pixels' means); proposals, acceptance, chains (of erpt,
-    /// pmc-er, mlt and pssmlt); strategy, mutations, population_age (of pmc-er)
+    /// pmc-er, mlt, pssmlt and mmlt); strategy, mutations, population_age (of pmc-er)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) aov: Vec<String>,
 

@@ -12,6 +12,7 @@ mod direct;
 mod erpt;
 mod metropolis;
 mod mlt;
+mod mmlt;
 mod path;
 mod pixel;
 mod pmc_er;
@@ -25,6 +26,7 @@ pub use depth::Depth;
 pub use direct::Direct;
 pub use erpt::Erpt;
 pub use mlt::Mlt;
+pub use mmlt::Mmlt;
 pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
 pub use pmc_er::PmcEr;
@@ -58,7 +60,7 @@ pub trait Algorithm: Send + Sync {
 }
 
 /// Names of the integrators that [`from_options`] knows, with what they are.
-pub const NAMES: [(&str, &str); 9] = [
+pub const NAMES: [(&str, &str); 10] = [
     ("path", "path tracing with multiple importance sampling"),
     ("direct", "direct light only"),
     ("bdpt", "bidirectional path tracing"),
@@ -71,6 +73,7 @@ pub const NAMES: [(&str, &str); 9] = [
         "pssmlt",
         "Metropolis light transport in primary sample space",
     ),
+    ("mmlt", "multiplexed Metropolis light transport"),
 ];
 
 /// Other names of integrators.
@@ -85,7 +88,10 @@ pub fn canonical_name(name: &str) -> &str {
 /// True for algorithms whose pixels depend on each other: chains spread what one sample has found, so
 /// that a mean over a tile varies more than its pixels tell.
 pub fn correlates_pixels(name: &str) -> bool {
-    matches!(canonical_name(name), "erpt" | "pmc-er" | "mlt" | "pssmlt")
+    matches!(
+        canonical_name(name),
+        "erpt" | "pmc-er" | "mlt" | "pssmlt" | "mmlt"
+    )
 }
 
 /// Names of layers that some algorithm makes on demand.
@@ -107,6 +113,7 @@ pub fn from_options(
         "pmc-er" => Ok(Box::new(PmcEr::from_options(options)?)),
         "mlt" => Ok(Box::new(Mlt::from_options(options)?)),
         "pssmlt" => Ok(Box::new(Pssmlt::from_options(options)?)),
+        "mmlt" => Ok(Box::new(Mmlt::from_options(options)?)),
         _ => Ok(Box::new(pixel_integrator(name, options)?)),
     }
 }

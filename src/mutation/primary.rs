@@ -13,9 +13,6 @@ const BEFORE_VERTICES: usize = 8;
 /// Numbers kept for each vertex: more than the path tracer takes.
 const PER_VERTEX: usize = 8;
 
-/// Vertices whose numbers are kept.
-const VERTICES: usize = 64;
-
 /// How far small steps go.
 ///
 /// Source: Kelemen et al. 2002.
@@ -29,8 +26,10 @@ pub struct SmallSteps {
 
 impl SmallSteps {
     /// A number after a step: the logarithm of the distance is uniform, and the interval a ring.
+    ///
+    /// - `value`: in `[0, 1)`.
     #[inline]
-    fn step(self, value: f32, random: &mut Stream) -> f32 {
+    pub fn step(self, value: f32, random: &mut Stream) -> f32 {
         let bits = random.next_u32();
         // The lowest bit is none of those that the distance is made of.
         let u = (bits >> 8) as f32 * (1.0 / 16_777_216.0);
@@ -91,11 +90,14 @@ pub struct PrimarySpace {
 }
 
 impl PrimarySpace {
+    /// Vertices whose numbers are kept.
+    pub const VERTICES: usize = 64;
+
     /// Makes a place for chains.
     ///
     /// - `random`: the numbers of the first sample.
     pub fn new(steps: SmallSteps, random: Stream) -> Self {
-        let capacity = BEFORE_VERTICES + VERTICES * PER_VERTEX;
+        let capacity = BEFORE_VERTICES + Self::VERTICES * PER_VERTEX;
         Self {
             steps,
             coordinates: vec![Coordinate::default(); capacity],
@@ -218,6 +220,11 @@ impl Numbers for PrimarySpace {
     fn next_2d(&mut self) -> Vec2 {
         let x = self.next_1d();
         Vec2::new(x, self.next_1d())
+    }
+
+    #[inline]
+    fn skip_2d(&mut self) {
+        self.place += 2;
     }
 
     #[inline]

@@ -57,6 +57,12 @@ pub trait Numbers {
     /// The next pair of numbers, uniform in the unit square.
     fn next_2d(&mut self) -> Vec2;
 
+    /// Passes over a pair of numbers that nobody needs.
+    #[inline]
+    fn skip_2d(&mut self) {
+        self.next_2d();
+    }
+
     /// Tells that what is asked for from now on belongs to a vertex of a path: numbers that are kept
     /// then keep their meaning where the vertex before has used more or fewer of them.
     ///

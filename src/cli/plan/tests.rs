@@ -169,7 +169,7 @@ fn names_in_arguments_are_checked_first() {
     assert_eq!(
         message(&["-i", "pth"]),
         "unknown integrator \"pth\" (did you mean \"path\"?); there are path, direct, bdpt, \
-         ptracer, depth, erpt, pmc-er, mlt, pssmlt"
+         ptracer, depth, erpt, pmc-er, mlt, pssmlt, mmlt"
     );
     assert_eq!(
         message(&["--aov", "uv,albdo"]),

@@ -37,7 +37,7 @@ impl SeedOptions {
         options: &mut OptionReader<'_>,
         mutations_per_sample: f64,
     ) -> Result<Self, OptionError> {
-        let tracing = tracing(options)?;
+        let tracing = tracing(options, 5)?;
         let rules = rules(options)?;
         let mutations_per_sample =
             options.float("mutations_per_sample", 1e-6..=1e9, mutations_per_sample)?;
@@ -59,17 +59,19 @@ impl SeedOptions {
     /// nothing comes from the pixels' own camera samples.
     ///
     /// - `with_filter`: whether the chains know the noise filters.
+    /// - `rr_depth`: its default.
     ///
     /// # Errors
     /// A value of the wrong kind or out of range.
     pub(in crate::integrator) fn of_metropolis(
         options: &mut OptionReader<'_>,
         with_filter: bool,
+        rr_depth: i64,
     ) -> Result<Self, OptionError> {
         let is_separate = options.boolean("separate_direct", true)?;
         let direct = options.integer("direct_samples", -1..=1 << 16, 1)?;
         Ok(Self {
-            tracing: tracing(options)?,
+            tracing: tracing(options, rr_depth)?,
             both_sides: None,
             rules: rules(options)?,
             mutations_per_sample: 1.0,
@@ -99,10 +101,12 @@ impl SeedOptions {
 }
 
 /// Reads how paths are traced.
-fn tracing(options: &mut OptionReader<'_>) -> Result<PathTracing, OptionError> {
+///
+/// - `rr_depth`: its default.
+fn tracing(options: &mut OptionReader<'_>, rr_depth: i64) -> Result<PathTracing, OptionError> {
     Ok(PathTracing {
         max_depth: depth_limit(options.integer("max_depth", -1..=i64::MAX, -1)?),
-        rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, 5)?),
+        rr_depth: depth_limit(options.integer("rr_depth", 1..=i64::MAX, rr_depth)?),
         heuristic: crate::integrator::heuristic(options)?,
     })
 }

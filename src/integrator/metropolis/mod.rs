@@ -8,12 +8,14 @@
 
 mod bootstrap;
 mod importance;
+mod numbers;
 mod options;
 mod render;
 
 pub(super) use bootstrap::Seed;
 pub(super) use importance::Importance;
-pub(super) use options::MetropolisOptions;
+pub(super) use numbers::PrimaryNumbers;
+pub(super) use options::{MetropolisOptions, PrimaryOptions};
 pub(super) use render::{ChainPlan, MetropolisRender, Sampling};
 
 /// Layers that are made on demand.

@@ -1,5 +1,6 @@
 //! Options about passes and their seeds.
 
+use crate::mutation::SmallSteps;
 use crate::scene::options::{OptionError, OptionReader};
 
 /// How much work a pass is.
@@ -66,6 +67,34 @@ impl MetropolisOptions {
             length: (mutations / f64::from(chains)).ceil().min(1e9) as u32,
             samples: self.bootstrap_samples.unwrap_or(default_samples),
         }
+    }
+}
+
+/// How numbers move.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrator) struct PrimaryOptions {
+    /// Probability of a large step.
+    pub(in crate::integrator) p_large: f64,
+    pub(in crate::integrator) steps: SmallSteps,
+}
+
+impl PrimaryOptions {
+    /// Reads the options.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub(in crate::integrator) fn from_options(
+        options: &mut OptionReader<'_>,
+    ) -> Result<Self, OptionError> {
+        let largest = options.float("step_largest", 1e-6..=0.49, 1.0 / 64.0)? as f32;
+        let smallest = options.float("step_smallest", 1e-7..=0.49, 1.0 / 1024.0)? as f32;
+        if smallest >= largest {
+            return Err(options.refused("step_smallest", "less than step_largest"));
+        }
+        Ok(Self {
+            p_large: options.float("p_large", 0.0..=1.0, 0.3)?,
+            steps: SmallSteps { smallest, largest },
+        })
     }
 }
 

@@ -38,7 +38,7 @@ impl Mlt {
         let is_on = options.boolean("bidirectional_mutation", true)?;
         let weight = options.float("bidirectional_weight", 1e-6..=1e6, 0.5)?;
         Ok(Self {
-            seeds: SeedOptions::of_metropolis(options, true)?,
+            seeds: SeedOptions::of_metropolis(options, true, 5)?,
             metropolis: MetropolisOptions::from_options(options)?,
             mutations: MutationOptions::from_options(options)?,
             bidirectional: if is_on { weight } else { 0.0 },

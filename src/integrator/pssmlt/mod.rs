@@ -5,10 +5,9 @@ mod sampling;
 
 use super::Algorithm;
 use super::chains::{SeedOptions, from_both_sides};
-use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS};
+use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS, PrimaryOptions};
 use super::pixel::PixelSettings;
 use super::render::Integrator;
-use crate::mutation::SmallSteps;
 use crate::path::Bidirectional;
 use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
@@ -31,9 +30,7 @@ enum Target {
 pub struct Pssmlt {
     seeds: SeedOptions,
     metropolis: MetropolisOptions,
-    /// Probability of a large step.
-    p_large: f64,
-    steps: SmallSteps,
+    primary: PrimaryOptions,
     target: Target,
     /// How samples are traced from both sides; `None` for path tracing.
     both_sides: Option<Bidirectional>,
@@ -47,11 +44,6 @@ impl Pssmlt {
     /// # Errors
     /// A value of the wrong kind or out of range.
     pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
-        let largest = options.float("step_largest", 1e-6..=0.49, 1.0 / 64.0)? as f32;
-        let smallest = options.float("step_smallest", 1e-7..=0.49, 1.0 / 1024.0)? as f32;
-        if smallest >= largest {
-            return Err(options.refused("step_smallest", "less than step_largest"));
-        }
         let target = match options
             .choice("target", &["sample", "path"], "sample")?
             .as_str()
@@ -72,13 +64,12 @@ impl Pssmlt {
         if bidirectional && target == Target::Path {
             return Err(options.refused("bidirectional", "false where target is \"path\""));
         }
-        let seeds = SeedOptions::of_metropolis(options, false)?;
+        let seeds = SeedOptions::of_metropolis(options, false, 5)?;
         Ok(Self {
             both_sides: bidirectional.then(|| from_both_sides(&seeds.tracing)),
             seeds,
             metropolis: MetropolisOptions::from_options(options)?,
-            p_large: options.float("p_large", 0.0..=1.0, 0.3)?,
-            steps: SmallSteps { smallest, largest },
+            primary: PrimaryOptions::from_options(options)?,
             target,
             weigh_large_steps,
         })

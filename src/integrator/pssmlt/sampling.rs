@@ -6,10 +6,8 @@ use super::evaluation::{Evaluation, Evaluator, Wanted};
 use super::{Pssmlt, Target};
 use crate::film::Filter;
 use crate::integrator::chains::Landing;
-use crate::integrator::metropolis::{ChainPlan, Sampling, Seed};
+use crate::integrator::metropolis::{ChainPlan, PrimaryNumbers, Sampling, Seed};
 use crate::integrator::render::Counters;
-use crate::math::Vec2;
-use crate::mutation::{PrimarySpace, SmallSteps};
 
 /// Chains of numbers as what Metropolis sampling samples.
 pub(super) struct PrimarySampling<'a>(pub(super) &'a Pssmlt);
@@ -28,7 +26,7 @@ struct Weights {
 impl Weights {
     /// The weights of a pass. Their sum is one for any mean, if only it does not depend on the pass.
     fn new(pssmlt: &Pssmlt, plan: &ChainPlan<'_>) -> Self {
-        if !pssmlt.weigh_large_steps || pssmlt.p_large == 0.0 {
+        if !pssmlt.weigh_large_steps || pssmlt.primary.p_large == 0.0 {
             return Self {
                 deposit: plan.deposit,
                 per_importance: 0.0,
@@ -39,8 +37,8 @@ impl Weights {
         let mutations = f64::from(plan.chains) * f64::from(plan.length);
         Self {
             deposit: plan.deposit,
-            per_importance: plan.pixels() / (pssmlt.p_large * mutations),
-            ratio: pssmlt.p_large * mean,
+            per_importance: plan.pixels() / (pssmlt.primary.p_large * mutations),
+            ratio: pssmlt.primary.p_large * mean,
         }
     }
 
@@ -56,48 +54,6 @@ impl Weights {
         self.per_importance * importance * (self.ratio / (importance + self.ratio))
     }
 }
-
-/// The numbers of a sample, on both sides; path tracing takes those of the eye's only.
-struct Numbers {
-    eye: PrimarySpace,
-    light: PrimarySpace,
-}
-
-impl Numbers {
-    fn new(steps: SmallSteps, plan: &ChainPlan<'_>) -> Self {
-        let new = || PrimarySpace::new(steps, plan.bootstrap_numbers(0));
-        Self {
-            eye: new(),
-            light: new(),
-        }
-    }
-
-    /// Begins a sample of the bootstrap set.
-    fn begin(&mut self, plan: &ChainPlan<'_>, sample: u32) {
-        let whole = (Vec2::ZERO, Vec2::ONE);
-        let cell = plan.cells.cell(sample);
-        self.eye.begin(plan.bootstrap_numbers(sample), cell);
-        self.light.begin(plan.light_numbers(sample), whole);
-    }
-
-    /// Makes the sample begun the first of a chain.
-    fn start_chain(&mut self, plan: &ChainPlan<'_>, chain: u32) {
-        self.eye.start_chain(plan.chain_numbers(chain));
-        self.light.start_chain(plan.light_numbers(chain | CHAINS));
-    }
-
-    /// A number for a decision.
-    fn uniform(&mut self) -> f64 {
-        f64::from(self.eye.random().next_f32())
-    }
-
-    fn sides(&mut self) -> [&mut PrimarySpace; 2] {
-        [&mut self.eye, &mut self.light]
-    }
-}
-
-/// Tells streams of chains from those of bootstrap samples, of which there are fewer.
-const CHAINS: u32 = 1 << 31;
 
 /// A chain under way.
 struct Walk<'a> {
@@ -129,13 +85,11 @@ impl Walk<'_> {
     fn step(
         &mut self,
         (evaluator, wanted): (&mut Evaluator<'_>, Wanted),
-        numbers: &mut Numbers,
+        numbers: &mut PrimaryNumbers,
         p_large: f64,
     ) {
         let is_large = numbers.uniform() < p_large;
-        for side in numbers.sides() {
-            side.propose(is_large);
-        }
+        numbers.propose(is_large);
         evaluator.evaluate(wanted, numbers.sides(), &mut self.there);
         let (here, there) = (self.here.importance, self.there.importance);
         let acceptance = (there / here).min(1.0);
@@ -151,9 +105,7 @@ impl Walk<'_> {
             self.land(&self.there, energy);
         }
         let is_accepted = acceptance > 0.0 && numbers.uniform() < acceptance;
-        for side in numbers.sides() {
-            side.settle(acceptance, is_accepted);
-        }
+        numbers.settle(acceptance, is_accepted);
         if is_accepted {
             self.flush();
             std::mem::swap(&mut self.here, &mut self.there);
@@ -164,7 +116,7 @@ impl Walk<'_> {
 impl Sampling for PrimarySampling<'_> {
     fn bootstrap(&self, plan: &ChainPlan<'_>, samples: Range<u32>) -> (Vec<f64>, Counters) {
         let mut evaluator = Evaluator::new(plan, self.0.both_sides.as_ref());
-        let mut numbers = Numbers::new(self.0.steps, plan);
+        let mut numbers = PrimaryNumbers::new(self.0.primary.steps, plan);
         let mut found = Evaluation::new();
         let luminance = |sample| {
             numbers.begin(plan, sample);
@@ -183,7 +135,7 @@ impl Sampling for PrimarySampling<'_> {
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {
         let pssmlt = self.0;
         let mut evaluator = Evaluator::new(plan, pssmlt.both_sides.as_ref());
-        let mut numbers = Numbers::new(pssmlt.steps, plan);
+        let mut numbers = PrimaryNumbers::new(pssmlt.primary.steps, plan);
         let mut here = Evaluation::new();
         let mut wanted = Wanted::All;
         if pssmlt.target == Target::Path {
@@ -207,7 +159,11 @@ impl Sampling for PrimarySampling<'_> {
             landing: plan.landing(),
         };
         for _ in 0..plan.length {
-            walk.step((&mut evaluator, wanted), &mut numbers, pssmlt.p_large);
+            walk.step(
+                (&mut evaluator, wanted),
+                &mut numbers,
+                pssmlt.primary.p_large,
+            );
         }
         walk.flush();
         Counters {

@@ -1,6 +1,6 @@
 //! How two subpaths make paths: one function for each kind of technique.
 
-use super::{Backlog, Bidirection, Bidirectional, Connection, Escape, SubVertex};
+use super::{Backlog, Bidirection, Bidirectional, Connection, Escape, EyeSubpath, SubVertex};
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, Transport};
 use crate::emitter::EmitterModel;
@@ -111,33 +111,42 @@ impl Bidirectional {
         raster: Vec2,
         found: &mut impl FnMut(&Bidirection<'s>, &Connection),
     ) {
-        let vertices = &sample.eye.vertices;
-        let mut hand_out = |eye: usize, (value, shorter): (Rgb, f64)| {
-            let connection = Connection {
-                eye,
-                light: 0,
-                raster,
-                value,
-                weight: self.weighing.weight(shorter, 0.0) as f32,
-            };
-            if connection.weight > 0.0 {
+        for eye in 1..=sample.eye.vertices.len() + 1 {
+            if let Some(connection) = self.meet_light(space, &sample.eye, eye, raster) {
                 found(sample, &connection);
             }
+        }
+    }
+
+    /// The path of an eye subpath that meets a light by chance with one of its vertices; the last is the one
+    /// where it leaves the scene.
+    ///
+    /// - `eye`: number of its vertices up to there.
+    pub(super) fn meet_light(
+        &self,
+        space: &PathSpace<'_>,
+        subpath: &EyeSubpath<'_>,
+        eye: usize,
+        raster: Vec2,
+    ) -> Option<Connection> {
+        let vertices = &subpath.vertices;
+        let before = eye.checked_sub(2).and_then(|index| vertices.get(index));
+        let before = before.map(|vertex| vertex.met.point.position);
+        let (value, shorter) = match vertices.get(eye - 1) {
+            Some(vertex) => self.meet_surface(space, vertex, before)?,
+            None if eye == vertices.len() + 1 => {
+                self.meet_environment(space, subpath.escape.as_ref()?, before)?
+            }
+            None => return None,
         };
-        for (index, vertex) in vertices.iter().enumerate() {
-            if vertex.met.emitter.is_some() {
-                let before = index.checked_sub(1).map(|i| vertices[i].met.point.position);
-                if let Some(met) = self.meet_surface(space, vertex, before) {
-                    hand_out(index + 1, met);
-                }
-            }
-        }
-        if let Some(escape) = &sample.eye.escape {
-            let before = vertices.last().map(|v| v.met.point.position);
-            if let Some(met) = self.meet_environment(space, escape, before) {
-                hand_out(vertices.len() + 1, met);
-            }
-        }
+        let weight = self.weighing.weight(shorter, 0.0) as f32;
+        (weight > 0.0).then_some(Connection {
+            eye,
+            light: 0,
+            raster,
+            value,
+            weight,
+        })
     }
 
     /// Value of a path that ends at a surface that glows, and the raised densities of the techniques with
@@ -215,26 +224,42 @@ impl Bidirectional {
         sample: &mut Bidirection<'_>,
         raster: Vec2,
     ) {
-        let lights = space.scene.lights();
-        for index in 0..sample.eye.vertices.len() {
-            let vertex = &sample.eye.vertices[index];
-            if index + 2 > self.max_depth as usize || !vertex.met.lobes.finite {
-                continue;
-            }
-            let from = vertex.met.point.position;
-            let chosen = if self.techniques.sample_direct {
-                lights.sample_toward(from, vertex.u_light)
-            } else {
-                let start = sample.light.start.as_ref();
-                start.and_then(|start| lights.as_sample(start, from))
-            };
-            let Some(chosen) = chosen else { continue };
-            if let Some(made) = self.sampled_light(space, vertex, &chosen) {
-                let class = lights.get(chosen.emitter).class();
-                let end = PathVertex::sampled_light(&chosen.sample, chosen.emitter, class);
-                sample.ends[index] = Some(end);
-                sample.propose((index + 1, 1), raster, made);
-            }
+        let most = (self.max_depth as usize).saturating_sub(1);
+        for eye in 1..=sample.eye.vertices.len().min(most) {
+            self.sample_light(space, sample, eye, raster);
+        }
+    }
+
+    /// The path from a vertex of the eye subpath to a point sampled on a light.
+    ///
+    /// - `eye`: number of the vertex, from one.
+    pub(super) fn sample_light(
+        &self,
+        space: &PathSpace<'_>,
+        sample: &mut Bidirection<'_>,
+        eye: usize,
+        raster: Vec2,
+    ) {
+        let (lights, vertex) = (space.scene.lights(), &sample.eye.vertices[eye - 1]);
+        if !vertex.met.lobes.finite {
+            return;
+        }
+        let from = vertex.met.point.position;
+        let chosen = if self.techniques.sample_direct {
+            lights.sample_toward(from, vertex.u_light)
+        } else {
+            let start = sample.light.start.as_ref();
+            start.and_then(|start| lights.as_sample(start, from))
+        };
+        let made = chosen.and_then(|chosen| {
+            let made = self.sampled_light(space, vertex, &chosen)?;
+            Some((chosen, made))
+        });
+        if let Some((chosen, made)) = made {
+            let class = lights.get(chosen.emitter).class();
+            let end = PathVertex::sampled_light(&chosen.sample, chosen.emitter, class);
+            sample.ends[eye - 1] = Some(end);
+            sample.propose((eye, 1), raster, made);
         }
     }
 
@@ -288,22 +313,34 @@ impl Bidirectional {
         sample: &mut Bidirection<'_>,
         raster: Vec2,
     ) {
-        let is_open = |vertex: &SubVertex<'_>| vertex.met.lobes.finite;
-        for eye in 0..sample.eye.vertices.len() {
-            if !is_open(&sample.eye.vertices[eye]) {
+        for eye in 1..=sample.eye.vertices.len() {
+            if !sample.eye.vertices[eye - 1].met.lobes.finite {
                 continue;
             }
-            // The vertices of both sides are counted from one, and the light's own comes before.
-            let left = (self.max_depth as usize).saturating_sub(eye + 2);
-            for light in 0..sample.light.vertices.len().min(left) {
-                let pair = (&sample.eye.vertices[eye], &sample.light.vertices[light]);
-                if !is_open(pair.1) {
-                    continue;
-                }
-                if let Some(made) = self.join(space, pair) {
-                    sample.propose((eye + 1, light + 2), raster, made);
-                }
+            // The light's own vertex comes before those of its subpath.
+            let most = (self.max_depth as usize).saturating_sub(eye);
+            for light in 2..=(sample.light.vertices.len() + 1).min(most) {
+                self.join_pair(space, sample, (eye, light), raster);
             }
+        }
+    }
+
+    /// The connection of two vertices, by their numbers as in [`Connection`].
+    #[inline]
+    pub(super) fn join_pair(
+        &self,
+        space: &PathSpace<'_>,
+        sample: &mut Bidirection<'_>,
+        (eye, light): (usize, usize),
+        raster: Vec2,
+    ) {
+        let (eye_vertices, light_vertices) = (&sample.eye.vertices, &sample.light.vertices);
+        let pair = (&eye_vertices[eye - 1], &light_vertices[light - 2]);
+        if !pair.0.met.lobes.finite || !pair.1.met.lobes.finite {
+            return;
+        }
+        if let Some(made) = self.join(space, pair) {
+            sample.propose((eye, light), raster, made);
         }
     }
 

@@ -18,19 +18,33 @@ impl Bidirectional {
         if !self.techniques.light_image || self.max_depth == 0 {
             return;
         }
-        if let Some((raster, made)) = self.see_emitter(space, sample, image) {
-            sample.propose((0, 1), raster, made);
+        for light in 1..=sample.light.vertices.len() + 1 {
+            self.see(space, sample, light, image);
         }
-        for index in 0..sample.light.vertices.len() {
-            let vertex = &sample.light.vertices[index];
+    }
+
+    /// The connection of one vertex of the light subpath with the lens.
+    ///
+    /// - `light`: its number as in [`Connection`](super::Connection).
+    pub(super) fn see(
+        &self,
+        space: &PathSpace<'_>,
+        sample: &mut Bidirection<'_>,
+        light: usize,
+        image: &LightImage,
+    ) {
+        let made = if light == 1 {
+            self.see_emitter(space, sample, image)
+        } else {
+            let vertex = &sample.light.vertices[light - 2];
             let is_hidden = space.rules.hide_emitters && vertex.met.emitter.is_some();
             if is_hidden || !vertex.met.lobes.finite {
-                continue;
+                return;
             }
-            let lens = &sample.light_lens;
-            if let Some((raster, made)) = self.see_vertex(space, vertex, lens, image) {
-                sample.propose((0, index + 2), raster, made);
-            }
+            self.see_vertex(space, vertex, &sample.light_lens, image)
+        };
+        if let Some((raster, made)) = made {
+            sample.propose((0, light), raster, made);
         }
     }
 

@@ -7,14 +7,17 @@
 //! on the film. A lens is never met by chance.
 
 mod assemble;
+mod backlog;
 mod connect;
 mod image;
 mod subpath;
+mod technique;
 mod weighing;
 
 pub use subpath::{Escape, EyeSubpath, LightSubpath, SubVertex};
 pub use weighing::{Backlog, Departure, Weighing};
 
+use self::subpath::{Lit, Reach};
 use super::{PathSpace, PathVertex};
 use crate::accel::Ray;
 use crate::math::{Rgb, Vec2};
@@ -161,7 +164,9 @@ impl Bidirectional {
     ) {
         let (raster, camera_ray) = camera;
         sample.lens = PathVertex::sensor(camera_ray.origin);
-        self.trace_eye(space, (raster, camera_ray), image, eye, &mut sample.eye);
+        let reach = self.reach();
+        let subpath = &mut sample.eye;
+        self.trace_eye(space, (raster, camera_ray), (image, reach), eye, subpath);
         // The lens takes an edge: subpaths from lights need one vertex less where none makes an image.
         let spare = u32::from(!self.techniques.light_image);
         self.start_light(space, self.max_depth.saturating_sub(spare), light, sample);
@@ -212,8 +217,17 @@ impl Bidirectional {
             low: Vec2::ZERO,
             high: Vec2::ZERO,
         };
-        self.trace_eye(space, camera, &image, sampler, &mut sample.eye);
+        let guide = (&image, self.reach());
+        self.trace_eye(space, camera, guide, sampler, &mut sample.eye);
         sample.eye.alpha
+    }
+
+    /// How far eye subpaths go where all techniques are wanted.
+    fn reach(&self) -> Reach {
+        Reach {
+            vertices: self.max_depth,
+            lit: Lit::All,
+        }
     }
 
     /// Traces the subpath from a light, to be connected to a point of the lens.
@@ -278,6 +292,18 @@ impl Bidirectional {
 }
 
 impl Bidirection<'_> {
+    /// Makes room for subpaths of one technique.
+    ///
+    /// - `vertices`: most of either.
+    pub fn reserve(&mut self, vertices: usize) {
+        self.eye.vertices.reserve(vertices);
+        self.ends.reserve(vertices);
+        self.light.vertices.reserve(vertices);
+        self.candidates.reserve(1);
+        self.rays.reserve(1);
+        self.occluded.reserve(1);
+    }
+
     /// Forgets what the sample before had found.
     fn clear(&mut self) {
         self.ends.clear();

@@ -4,7 +4,6 @@ use super::weighing::{Backlog, Departure};
 use super::{Bidirectional, LightImage};
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, Lobe, Transport};
-use crate::emitter::{EmitterClass, EmitterModel};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::path::{Event, PathSpace, PathVertex};
 use crate::random::Numbers;
@@ -49,6 +48,15 @@ pub struct EyeSubpath<'s> {
     pub alpha: f32,
 }
 
+impl EyeSubpath<'_> {
+    /// Forgets what was traced before.
+    pub(super) fn clear(&mut self) {
+        self.vertices.clear();
+        self.escape = None;
+        self.alpha = 0.0;
+    }
+}
+
 /// A subpath from a light.
 #[derive(Debug, Default)]
 pub struct LightSubpath<'s> {
@@ -58,12 +66,51 @@ pub struct LightSubpath<'s> {
     pub vertices: Vec<SubVertex<'s>>,
 }
 
+/// How far an eye subpath goes.
+#[derive(Clone, Copy)]
+pub(super) struct Reach {
+    /// Most vertices beyond the lens.
+    pub(super) vertices: u32,
+    /// Which of them sample lights.
+    pub(super) lit: Lit,
+}
+
+/// Which vertices of an eye subpath sample lights.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lit {
+    /// All that may have one more edge.
+    All,
+    /// The last that is asked for.
+    Last,
+    /// None.
+    Nowhere,
+}
+
+impl Reach {
+    /// Numbers for a vertex to sample a light with. Those that it does not need are passed over: numbers keep
+    /// their places whatever is wanted.
+    ///
+    /// - `depth`: number of the vertex, from one.
+    fn light_numbers(self, depth: u32, sampler: &mut impl Numbers) -> Vec2 {
+        let is_last = depth == self.vertices;
+        match self.lit {
+            Lit::All if !is_last => sampler.next_2d(),
+            Lit::Last if is_last => sampler.next_2d(),
+            _ if is_last => Vec2::ZERO,
+            _ => {
+                sampler.skip_2d();
+                Vec2::ZERO
+            }
+        }
+    }
+}
+
 /// A ray under way to the next vertex.
-struct Flight {
+pub(super) struct Flight {
     ray: Ray,
     throughput: Rgb,
-    departure: Departure,
-    backlog: Backlog,
+    pub(super) departure: Departure,
+    pub(super) backlog: Backlog,
     /// Share of light that the event at its start has kept.
     kept: f32,
     is_null: bool,
@@ -78,17 +125,15 @@ impl Bidirectional {
         &self,
         space: &PathSpace<'s>,
         (raster, camera_ray): (Vec2, &CameraRay),
-        image: &LightImage,
+        (image, reach): (&LightImage, Reach),
         sampler: &mut impl Numbers,
         subpath: &mut EyeSubpath<'s>,
     ) {
-        subpath.vertices.clear();
-        subpath.escape = None;
-        subpath.alpha = 0.0;
+        subpath.clear();
         let lens = PathVertex::sensor(camera_ray.origin);
         let first = |vertex: &PathVertex| self.first_backlog(space, raster, (&lens, vertex), image);
         let mut flight: Option<Flight> = None;
-        for depth in 1..=self.max_depth {
+        for depth in 1..=reach.vertices {
             let ray = flight
                 .as_ref()
                 .map_or_else(|| camera_ray.to_ray(), |f| f.ray);
@@ -104,19 +149,19 @@ impl Bidirectional {
                 None => first(&PathVertex::surface(&met, Event::Finite)),
             };
             sampler.begin_vertex(depth);
-            let is_sampled = met.lobes.finite && depth < self.max_depth;
+            let u_light = if met.lobes.finite {
+                reach.light_numbers(depth, sampler)
+            } else {
+                Vec2::ZERO
+            };
             subpath.vertices.push(SubVertex {
                 met,
                 throughput,
                 backlog,
                 event: Event::Finite,
-                u_light: if is_sampled {
-                    sampler.next_2d()
-                } else {
-                    Vec2::ZERO
-                },
+                u_light,
             });
-            if depth == self.max_depth {
+            if depth == reach.vertices {
                 subpath.alpha = 1.0;
                 return;
             }
@@ -163,41 +208,6 @@ impl Bidirectional {
             throughput,
             backlog,
         })
-    }
-
-    /// The backlog of the first vertex beyond the lens: of the techniques before it there is the one that
-    /// connects a light subpath to the lens.
-    fn first_backlog(
-        &self,
-        space: &PathSpace<'_>,
-        raster: Vec2,
-        (lens, vertex): (&PathVertex, &PathVertex),
-        image: &LightImage,
-    ) -> Backlog {
-        if !(self.techniques.light_image && image.shows(space.sensor, raster)) {
-            return Backlog::default();
-        }
-        let made = space.pixels_around(lens, vertex);
-        let ratio = made
-            .filter(|made| *made > 0.0)
-            .map_or(0.0, |made| image.paths / made);
-        Backlog {
-            base: self.weighing.raise(ratio),
-            slope: 0.0,
-        }
-    }
-
-    /// The backlog of a vertex that a ray has met.
-    fn arrive(&self, flight: &Flight, met: &Interaction<'_>) -> Backlog {
-        let distance_squared = f64::from(met.distance).powi(2);
-        let cos = f64::from(met.point.geometric_normal.dot(met.back).abs());
-        let (departure, backlog) = (&flight.departure, flight.backlog);
-        backlog.after(
-            self.weighing,
-            departure,
-            cos / distance_squared,
-            distance_squared,
-        )
     }
 
     /// Traces a subpath from a light.
@@ -251,57 +261,6 @@ impl Bidirectional {
             };
             (ray, throughput) = (next.ray, next.throughput);
             flight = Some(next);
-        }
-    }
-
-    /// The backlog of the first vertex that light meets: of the techniques before it there are the one that
-    /// samples the light from here, and the one that meets it by chance.
-    fn first_light_backlog(
-        &self,
-        space: &PathSpace<'_>,
-        start: &ChosenRay,
-        met: &Interaction<'_>,
-    ) -> Backlog {
-        let (ray, id) = (&start.ray, start.emitter);
-        let lights = space.scene.lights();
-        let class = lights.get(id).class();
-        let from = met.point.position;
-        let cos = f64::from(met.point.geometric_normal.dot(met.back).abs());
-        let distance_squared = f64::from(met.distance).powi(2);
-        // Densities of the light's vertex, and of this one as the light makes it.
-        let probability = f64::from(start.probability);
-        let point = f64::from(ray.density.point.0);
-        let direction = f64::from(ray.density.direction.0);
-        let (own, made, per_area) = match class {
-            EmitterClass::Area | EmitterClass::Point => {
-                let light_cos = ray.surface.map_or(1.0, |at| {
-                    f64::from(at.geometric_normal.dot(ray.direction).abs())
-                });
-                let made = direction * cos / distance_squared;
-                (probability * point, made, light_cos / distance_squared)
-            }
-            EmitterClass::Directional | EmitterClass::Environment => {
-                (probability * direction, point * cos, 1.0)
-            }
-        };
-        let direct = if self.techniques.sample_direct {
-            let density = match (class, &ray.surface) {
-                (EmitterClass::Area, Some(at)) => {
-                    f64::from(lights.density_toward(id, from, at).0) * per_area
-                }
-                (EmitterClass::Environment, _) => {
-                    f64::from(lights.environment_density(from, -ray.direction).0)
-                }
-                _ => f64::from(lights.probability(id, from)),
-            };
-            density / own
-        } else {
-            1.0
-        };
-        let met_by_chance = if class.is_dirac() { 0.0 } else { 1.0 / own };
-        Backlog {
-            base: self.weighing.raise(direct / made),
-            slope: self.weighing.raise(per_area * met_by_chance / made),
         }
     }
 

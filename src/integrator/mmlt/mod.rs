@@ -1,0 +1,75 @@
+//! Multiplexed Metropolis light transport.
+
+mod evaluation;
+mod sampling;
+
+use super::Algorithm;
+use super::chains::{SeedOptions, from_both_sides};
+use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS, PrimaryOptions};
+use super::pixel::PixelSettings;
+use super::render::Integrator;
+use crate::path::{Bidirectional, Weighing};
+use crate::scene::Scene;
+use crate::scene::options::{OptionError, OptionReader};
+use crate::sensor::Sensor;
+use sampling::MultiplexedSampling;
+
+/// Small and large steps of the numbers that one path is made of, and of the number that chooses the
+/// technique by which it is made; a chain keeps to paths of one length.
+///
+/// Source: Hachisuka et al. 2014.
+#[derive(Clone, Copy, Debug)]
+pub struct Mmlt {
+    seeds: SeedOptions,
+    metropolis: MetropolisOptions,
+    primary: PrimaryOptions,
+    tracing: Bidirectional,
+}
+
+/// Edges of a subpath of the bootstrap set from which on Russian roulette may end it, where no number is given:
+/// short ones serve best, as with bidirectional path tracing.
+const RR_DEPTH: i64 = 2;
+
+impl Mmlt {
+    /// Reads the options.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
+        let seeds = SeedOptions::of_metropolis(options, false, RR_DEPTH)?;
+        let power = options.float("mis_power", 0.1..=100.0, 2.0)?;
+        Ok(Self {
+            tracing: Bidirectional {
+                weighing: Weighing::new(seeds.tracing.heuristic, power),
+                ..from_both_sides(&seeds.tracing)
+            },
+            seeds,
+            metropolis: MetropolisOptions::from_options(options)?,
+            primary: PrimaryOptions::from_options(options)?,
+        })
+    }
+}
+
+impl Algorithm for Mmlt {
+    fn start<'s>(
+        &'s self,
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        settings: PixelSettings,
+    ) -> Box<dyn Integrator + 's> {
+        let space = (scene, sensor);
+        let sampling = |_: &_| MultiplexedSampling(self);
+        let render =
+            MetropolisRender::new(space, &self.seeds, &self.metropolis, settings, sampling);
+        Box::new(render)
+    }
+
+    fn has_second_moment(&self) -> bool {
+        // What lands on a pixel at once is no sample of it.
+        false
+    }
+
+    fn own_layers(&self) -> &'static [&'static str] {
+        OWN_LAYERS
+    }
+}
