@@ -81,10 +81,13 @@ pub(in crate::integrator) struct PrimaryOptions {
 impl PrimaryOptions {
     /// Reads the options.
     ///
+    /// - `p_large`: its default.
+    ///
     /// # Errors
     /// A value of the wrong kind or out of range.
     pub(in crate::integrator) fn from_options(
         options: &mut OptionReader<'_>,
+        p_large: f64,
     ) -> Result<Self, OptionError> {
         let largest = options.float("step_largest", 1e-6..=0.49, 1.0 / 64.0)? as f32;
         let smallest = options.float("step_smallest", 1e-7..=0.49, 1.0 / 1024.0)? as f32;
@@ -92,7 +95,7 @@ impl PrimaryOptions {
             return Err(options.refused("step_smallest", "less than step_largest"));
         }
         Ok(Self {
-            p_large: options.float("p_large", 0.0..=1.0, 0.3)?,
+            p_large: options.float("p_large", 0.0..=1.0, p_large)?,
             steps: SmallSteps { smallest, largest },
         })
     }

@@ -30,6 +30,10 @@ pub struct Mmlt {
 /// short ones serve best, as with bidirectional path tracing.
 const RR_DEPTH: i64 = 2;
 
+/// Chance of a large step, where no number is given: less than where a step makes many paths at once, most of
+/// which bring light.
+const P_LARGE: f64 = 0.1;
+
 impl Mmlt {
     /// Reads the options.
     ///
@@ -45,7 +49,7 @@ impl Mmlt {
             },
             seeds,
             metropolis: MetropolisOptions::from_options(options)?,
-            primary: PrimaryOptions::from_options(options)?,
+            primary: PrimaryOptions::from_options(options, P_LARGE)?,
         })
     }
 }

@@ -69,7 +69,7 @@ impl Pssmlt {
             both_sides: bidirectional.then(|| from_both_sides(&seeds.tracing)),
             seeds,
             metropolis: MetropolisOptions::from_options(options)?,
-            primary: PrimaryOptions::from_options(options)?,
+            primary: PrimaryOptions::from_options(options, 0.3)?,
             target,
             weigh_large_steps,
         })
