@@ -114,11 +114,12 @@ fn mirrors_and_glass_are_seen_as_by_path_tracing() -> Result<(), String> {
 }
 
 /// Chains whose seeds come from both sides.
-const SEEDED: [&str; 4] = [
+const SEEDED: [&str; 5] = [
     "erpt seeds=bdpt rr_depth=2 chain_length=20 mutations_per_sample=4",
     "erpt seeds=bdpt rr_depth=2 flow=detailed chain_length=3 separate_direct=false",
     "erpt seeds=bdpt rr_depth=3 chain_length=10 mutations_per_sample=4 direct_samples=1",
     "pmc-er seeds=bdpt rr_depth=2 population=100 rounds=3 mutations=5 mutations_per_sample=4",
+    "mlt seeds=bdpt rr_depth=2 mutations_per_pixel=4 chains=20 luminance_samples=256",
 ];
 
 #[test]

@@ -3,69 +3,13 @@
 
 use lumiflow::emitter::EmitterClass;
 use lumiflow::math::Vec2;
-use lumiflow::path::{
-    Bidirection, Bidirectional, Connection, Event, LightImage, Path, PathSpace, Techniques,
-    Tolerance, VertexKind, Weighing, camera_sample,
-};
-use lumiflow::random::{PixelAddress, Purpose, Sampler, SamplerKind};
+use lumiflow::path::{Bidirectional, Connection, Event, Path, Tolerance, VertexKind, Weighing};
 
 use crate::support::effort::{samples, seed};
 use crate::support::render::Replicas;
-use crate::support::seeds::space;
+use crate::support::seeds::{LIGHT_PATHS, from_both_sides, space, trace_both_sides};
 use crate::support::stages::{SIDE, Stage, stages};
 use crate::support::techniques::{Densities, MISTAKES, Mistake};
-
-/// Light subpaths for each camera sample a pixel.
-const LIGHT_PATHS: f64 = (SIDE * SIDE) as f64;
-
-fn tracing(weighing: Weighing) -> Bidirectional {
-    Bidirectional {
-        max_depth: 6,
-        rr_depth: 2,
-        weighing,
-        techniques: Techniques {
-            light_image: true,
-            sample_direct: true,
-        },
-        connection_threshold: 0.0,
-    }
-}
-
-/// Traces one sample, uniform over the film.
-fn trace(
-    tracing: &Bidirectional,
-    space: &PathSpace<'_>,
-    (seed, sample): (u64, u32),
-    mut found: impl FnMut(&Bidirection<'_>, &Connection),
-) {
-    let sampler = |purpose| {
-        let address = PixelAddress {
-            seed,
-            purpose,
-            pixel: 0,
-            sample,
-        };
-        Sampler::new(SamplerKind::Independent, address)
-    };
-    let (mut eye, mut light) = (sampler(Purpose::Pixel), sampler(Purpose::Light));
-    let raster: Vec2 = eye.next_2d() * SIDE as f32;
-    let ray = camera_sample(space, raster, &mut eye);
-    let image = LightImage {
-        paths: LIGHT_PATHS,
-        low: Vec2::ZERO,
-        high: Vec2::splat(SIDE as f32),
-    };
-    let mut both = Bidirection::default();
-    let samplers = [&mut eye, &mut light];
-    tracing.trace(
-        space,
-        &mut both,
-        (raster, &ray),
-        &image,
-        samplers,
-        &mut found,
-    );
-}
 
 /// Weight of a technique from the densities of all.
 fn weight(weighing: Weighing, densities: &[f64], technique: usize) -> f64 {
@@ -103,9 +47,9 @@ fn compare(stage: &Stage, weighing: Weighing, mistake: Mistake, count: u32) -> C
     };
     let mut comparison = Comparison::default();
     let mut path = Path::default();
-    let tracing = tracing(weighing);
+    let tracing = from_both_sides(weighing);
     for sample in 0..count {
-        trace(&tracing, &space, (seed(31), sample), |both, found| {
+        trace_both_sides(&tracing, &space, (seed(31), sample), |both, found| {
             if !both.assemble(&space, found, &mut path) {
                 return;
             }
@@ -161,8 +105,8 @@ fn paths_of_two_subpaths_are_what_they_say() {
         let mut path = Path::default();
         let (mut count, mut broken) = (0, Vec::new());
         for sample in 0..100 {
-            let tracing = tracing(Weighing::Balance);
-            trace(&tracing, &space, (seed(33), sample), |both, found| {
+            let tracing = from_both_sides(Weighing::Balance);
+            trace_both_sides(&tracing, &space, (seed(33), sample), |both, found| {
                 if both.assemble(&space, found, &mut path) {
                     count += 1;
                     let checked = path.verify(&space, &Tolerance::default());
@@ -203,14 +147,14 @@ fn by_technique(stage: &Stage, edges: usize, fault: impl Fn(&Connection) -> f64)
     let space = space(stage);
     let tracing = Bidirectional {
         max_depth: edges as u32,
-        ..tracing(Weighing::Balance)
+        ..from_both_sides(Weighing::Balance)
     };
     let mut path = Path::default();
     let count = samples(1500);
     Replicas::new(seed(700), REPLICAS, |seed| {
         let mut sums = vec![0.0; edges + 1];
         for sample in 0..count {
-            trace(&tracing, &space, (seed, sample), |both, found| {
+            trace_both_sides(&tracing, &space, (seed, sample), |both, found| {
                 if found.edges() == edges && both.assemble(&space, found, &mut path) {
                     let is_on_film = found.raster.cmpge(Vec2::ZERO).all()
                         && found.raster.cmplt(Vec2::splat(SIDE as f32)).all();

@@ -2,43 +2,16 @@
 
 use lumiflow::math::statistics::{sidak, two_sided_p};
 use lumiflow::mutation::{BidirectionalMutation, Move, SectionFault};
-use lumiflow::path::{Event, Path, PathSpace};
+use lumiflow::path::{Event, Path, PathSpace, Weighing};
 
 use crate::support::effort::{level, samples, seed};
 use crate::support::factors::factors;
-use crate::support::seeds::{TRACING, numbers, space, trace};
+use crate::support::moments::Mean;
+use crate::support::seeds::{TRACING, from_both_sides, numbers, space, trace, trace_both_sides};
 use crate::support::stages::{SIDE, Stage, moves, stage_of, stages};
 
 /// Longest paths, in edges.
 const MOST: usize = TRACING.max_depth as usize;
-
-/// Means of independent values.
-#[derive(Clone, Copy, Default)]
-struct Mean {
-    sum: f64,
-    squares: f64,
-    count: f64,
-}
-
-impl Mean {
-    fn add(&mut self, value: f64) {
-        self.sum += value;
-        self.squares += value * value;
-        self.count += 1.0;
-    }
-
-    fn mean(&self) -> f64 {
-        self.sum / self.count
-    }
-
-    fn variance(&self) -> f64 {
-        (self.squares / self.count - self.mean().powi(2)) / self.count
-    }
-
-    fn z_against(&self, other: &Self) -> f64 {
-        (self.mean() - other.mean()) / (self.variance() + other.variance()).sqrt()
-    }
-}
 
 /// What is integrated for each number of edges: all light, that of the left half of the film, that which
 /// meets a mirror or glass on its way, and that which does so next to the light.
@@ -57,17 +30,16 @@ fn parts(path: &Path, energy: f64) -> [f64; PARTS] {
 
 type Table = [[Mean; PARTS]; MOST + 1];
 
-/// The light of paths of each number of edges, as path tracing finds it.
-fn traced(stage: &Stage, (seed, count): (u64, u32)) -> Table {
-    let space = space(stage);
+/// Means over samples, of each number of edges.
+///
+/// - `sample`: hands out the paths of a sample, with their energies.
+fn tally(count: u32, mut sample: impl FnMut(u32, &mut dyn FnMut(&Path, f64))) -> Table {
     let mut table = Table::default();
-    let mut path = Path::default();
-    for sample in 0..count {
+    for index in 0..count {
         let mut sums = [[0.0; PARTS]; MOST + 1];
-        trace(&space, &TRACING, (seed, sample), &mut path, &mut |found| {
-            let Some(path) = found.path else { return };
-            let values = parts(path, found.luminance());
+        sample(index, &mut |path, energy| {
             let row = &mut sums[path.edges()];
+            let values = parts(path, energy);
             row.iter_mut().zip(values).for_each(|(sum, v)| *sum += v);
         });
         for (row, sums) in table.iter_mut().zip(sums) {
@@ -75,6 +47,33 @@ fn traced(stage: &Stage, (seed, count): (u64, u32)) -> Table {
         }
     }
     table
+}
+
+/// The light of paths of each number of edges, as path tracing finds it.
+fn traced(stage: &Stage, (seed, count): (u64, u32)) -> Table {
+    let space = space(stage);
+    let mut path = Path::default();
+    tally(count, |sample, add| {
+        trace(&space, &TRACING, (seed, sample), &mut path, &mut |found| {
+            if let Some(path) = found.path {
+                add(path, found.luminance());
+            }
+        });
+    })
+}
+
+/// The same, as subpaths from both sides find it.
+fn found_from_both_sides(stage: &Stage, (seed, count): (u64, u32)) -> Table {
+    let space = space(stage);
+    let tracing = from_both_sides(Weighing::Square);
+    let mut path = Path::default();
+    tally(count, |sample, add| {
+        trace_both_sides(&tracing, &space, (seed, sample), |both, found| {
+            if both.assemble(&space, found, &mut path) {
+                add(&path, f64::from(found.energy().luminance()));
+            }
+        });
+    })
 }
 
 /// The same, by paths that the mutation makes when nothing stays.
@@ -132,6 +131,33 @@ fn fresh_paths_of_every_length_bring_the_light_that_path_tracing_finds() {
         all.extend(found.into_iter().map(of_stage));
     }
     assert!(all.len() > 60, "{} values", all.len());
+    let level = sidak(level(1e-3), all.len());
+    for (what, z) in all {
+        assert!(two_sided_p(z) > level, "{what}: z = {z:.2}");
+    }
+}
+
+/// Light of points and beams that mirrors or glass send on, which path tracing does not find.
+#[test]
+fn fresh_paths_bring_the_light_that_is_found_from_both_sides() {
+    let count = samples(60_000);
+    let mut all = Vec::new();
+    for name in ["point and spot", "open air", "glass ball"] {
+        let stage = stage_of(name);
+        let both = found_from_both_sides(&stage, (seed(3500), count));
+        let new = || BidirectionalMutation::new(1, MOST);
+        let mut mutation = new().among_seeds_of_both_sides();
+        let afresh = made_afresh(&stage, &mut mutation, (seed(3501), count));
+        let found = differences(&both, &afresh);
+        println!("{name}: {found:.2?}");
+        all.extend(found);
+        if name == "point and spot" {
+            let without = made_afresh(&stage, &mut new(), (seed(3501), count));
+            let lost = differences(&both, &without);
+            assert!(lost.iter().any(|(_, z)| z.abs() > 6.0), "{lost:.2?}");
+        }
+    }
+    assert!(all.len() > 12, "{} values", all.len());
     let level = sidak(level(1e-3), all.len());
     for (what, z) in all {
         assert!(two_sided_p(z) > level, "{what}: z = {z:.2}");

@@ -222,7 +222,7 @@ const CHAINS: [&str; 13] = [
     "pssmlt max_depth=6 direct_samples=2 chains=30",
     "pssmlt max_depth=6 bidirectional=true luminance_samples=500 mutations_per_pixel=2",
     "mlt max_depth=6 direct_samples=2 chains=30 proposal_filter=box consecutive_limit=4",
-    "mlt max_depth=6 separate_direct=false noise_aware=true luminance_samples=500",
+    "mlt max_depth=6 seeds=bdpt separate_direct=false noise_aware=true luminance_samples=500",
     "pssmlt max_depth=6 separate_direct=false target=path deposits=expected luminance_samples=500",
     "mmlt max_depth=6 direct_samples=2 chains=30",
     "mmlt separate_direct=false noise_aware=true luminance_samples=500 mutations_per_pixel=2",

@@ -3,34 +3,21 @@
 use lumiflow::math::Vec2;
 use lumiflow::mutation::{PrimarySpace, SmallSteps};
 use lumiflow::path::{
-    Bidirection, Bidirectional, Connection, LightImage, Path, PathSpace, Techniques, Weighing,
-    camera_sample,
+    Bidirection, Bidirectional, Connection, Path, PathSpace, Weighing, camera_sample,
 };
 use lumiflow::random::{Numbers, Purpose, Stream};
 
 use crate::support::effort::{level, samples, seed};
 use crate::support::render::Replicas;
-use crate::support::seeds::{self, TRACING, space};
+use crate::support::seeds::{self, IMAGE, TRACING, from_both_sides, space};
 use crate::support::stages::{SIDE, Stage, stage_of, stages};
 
 const MAX_DEPTH: usize = 6;
 
-const IMAGE: LightImage = LightImage {
-    paths: (SIDE * SIDE) as f64,
-    low: Vec2::ZERO,
-    high: Vec2::splat(SIDE as f32),
-};
-
 fn tracing(rr_depth: u32) -> Bidirectional {
     Bidirectional {
-        max_depth: MAX_DEPTH as u32,
         rr_depth,
-        weighing: Weighing::Square,
-        techniques: Techniques {
-            light_image: true,
-            sample_direct: true,
-        },
-        connection_threshold: 0.0,
+        ..from_both_sides(Weighing::Square)
     }
 }
 

@@ -1,6 +1,7 @@
 //! All integration tests in one binary: one link step.
 
 mod agreement;
+mod all_integrators;
 mod antialiasing;
 mod balance;
 mod bdpt;
@@ -26,6 +27,7 @@ mod metropolis;
 mod mitsuba_materials;
 mod mixtures;
 mod multiplexed;
+mod own_errors;
 mod paths;
 mod pmc_er;
 mod primary_space;

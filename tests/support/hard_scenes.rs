@@ -193,3 +193,24 @@ pub(crate) fn hall_of_mirrors(side: u32) -> View {
         ),
     }
 }
+
+/// A room without lamps, beside one with a lamp: light comes through a gap in the wall between.
+pub(crate) fn door_ajar(side: u32) -> View {
+    let room = walls(Mat4::IDENTITY).map(|wall| part(wall, Diffuse::new(0.7)));
+    let between = cuboid(Vec3::new(0.0, 0.0, -0.4), Vec3::new(0.03, 1.1, 0.7));
+    let lamp = rectangle(Vec3::new(0.6, 0.9, 0.0), Vec3::X * 0.2, Vec3::Z * 0.2);
+    let parts = [
+        part(between, Diffuse::new(Rgb::new(0.6, 0.5, 0.4))),
+        part(lamp, Diffuse::new(0.0)).glowing(Rgb::new(40.0, 35.0, 30.0)),
+    ];
+    View {
+        name: "door ajar",
+        scene: scene(room.into_iter().chain(parts), |_| {}),
+        sensor: camera(
+            Vec3::new(-0.3, 0.2, 0.9),
+            Vec3::new(-0.6, -0.2, -0.5),
+            70.0,
+            side,
+        ),
+    }
+}

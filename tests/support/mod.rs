@@ -8,6 +8,7 @@ pub(crate) mod flow;
 pub(crate) mod grid;
 pub(crate) mod hard_scenes;
 pub(crate) mod materials;
+pub(crate) mod moments;
 pub(crate) mod planted;
 pub(crate) mod render;
 pub(crate) mod same_mean;

@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-use lumiflow::film::{Filter, Window};
-use lumiflow::integrator::{self, Algorithm, PixelIntegrator, PixelSettings, Rendered};
+use lumiflow::film::{Filter, PassBuffer, Window};
+use lumiflow::integrator::{
+    self, Algorithm, Driver, PixelIntegrator, PixelSettings, Progress, Rendered,
+};
 use lumiflow::math::Rgb;
 use lumiflow::math::statistics::sidak;
 use lumiflow::random::{Purpose, SamplerKind, Stream};
@@ -93,6 +95,33 @@ pub(crate) fn layer(rendered: &Rendered, name: &str) -> Vec<Rgb> {
         .chunks(layer.channels.len())
         .map(|pixel| Rgb::new(pixel[0], pixel[1], pixel[2]))
         .collect()
+}
+
+/// Mean luminance of the image of each pass of a render.
+pub(crate) fn means_of_passes(
+    (scene, sensor): (&Scene, &Sensor),
+    text: &str,
+    settings: PixelSettings,
+    passes: u32,
+) -> Vec<f64> {
+    let algorithm = integrator(text);
+    let render = algorithm.start(scene, sensor, settings);
+    let (cancelled, progress) = (AtomicBool::default(), Progress::default());
+    let driver = Driver::new(&cancelled, &progress);
+    let (layers, units, window) = (render.layers(), render.units(), render.window());
+    assert_eq!(render.passes_per_replica(), 1, "a pass is a replica");
+    let mean = |pass| {
+        let layers = layers.iter().zip(&units);
+        let mut buffers: Vec<_> = layers
+            .map(|(layer, unit)| PassBuffer::new(window, layer.channels.len(), *unit))
+            .collect();
+        let counters = render.run_pass(pass, &buffers, &driver);
+        assert!(counters.is_some(), "nobody cancels");
+        render.finish_pass(&mut buffers);
+        let luminances = buffers[0].luminances();
+        luminances.iter().sum::<f64>() / luminances.len() as f64
+    };
+    (0..passes).map(mean).collect()
 }
 
 /// One image of a scene, by the integrator that `text` describes.
@@ -293,7 +322,7 @@ fn verdict(
 }
 
 /// Chance that a value at least as far out as `t` comes from Student's distribution, on either side.
-fn student_p(t: f64, freedom: f64) -> f64 {
+pub(crate) fn student_p(t: f64, freedom: f64) -> f64 {
     if !t.is_finite() {
         return 0.0;
     }

@@ -226,7 +226,8 @@ impl<'s> ChainFilm<'s> {
         let alpha = match &self.seeds.both_sides {
             Some(tracing) => {
                 let workers = (space, &mut *path);
-                self.trace_both_sides(tracing, (pixel, pass), workers, &mut sample, &mut take)
+                let place = (pixel, pass);
+                self.trace_pixel_from_both_sides(tracing, place, workers, &mut sample, &mut take)
             }
             None => {
                 let (camera, tracing) = ((raster, &sample.ray), &self.seeds.tracing);

@@ -11,7 +11,7 @@ pub(in crate::integrator) struct SeedOptions {
     /// How seeds are traced.
     pub(in crate::integrator) tracing: PathTracing,
     /// How they are traced from both sides; `None` to trace them from the sensor alone.
-    pub(super) both_sides: Option<Bidirectional>,
+    pub(in crate::integrator) both_sides: Option<Bidirectional>,
     /// What paths are.
     pub(in crate::integrator) rules: PathRules,
     /// Mutations for each camera sample, in the mean.
@@ -83,6 +83,20 @@ impl SeedOptions {
             } else {
                 NoiseFilter::OFF
             },
+        })
+    }
+
+    /// The same with seeds as the options say: from the sensor alone, or from both sides.
+    ///
+    /// # Errors
+    /// A value of the wrong kind or out of range.
+    pub(in crate::integrator) fn with_sides(
+        self,
+        options: &mut OptionReader<'_>,
+    ) -> Result<Self, OptionError> {
+        Ok(Self {
+            both_sides: both_sides(options, &self.tracing)?,
+            ..self
         })
     }
 

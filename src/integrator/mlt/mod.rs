@@ -38,7 +38,7 @@ impl Mlt {
         let is_on = options.boolean("bidirectional_mutation", true)?;
         let weight = options.float("bidirectional_weight", 1e-6..=1e6, 0.5)?;
         Ok(Self {
-            seeds: SeedOptions::of_metropolis(options, true, 5)?,
+            seeds: SeedOptions::of_metropolis(options, true, 5)?.with_sides(options)?,
             metropolis: MetropolisOptions::from_options(options)?,
             mutations: MutationOptions::from_options(options)?,
             bidirectional: if is_on { weight } else { 0.0 },
@@ -50,7 +50,12 @@ impl Mlt {
     fn bidirectional_mutation(&self) -> BidirectionalMutation {
         let fewest = (1..=3).find(|edges| self.seeds.goes_to_chains(*edges));
         let most = (CAPACITY - 1).min(self.seeds.tracing.max_depth as usize);
-        BidirectionalMutation::new(fewest.map_or(1, |edges| edges as usize), most)
+        let mutation = BidirectionalMutation::new(fewest.map_or(1, |edges| edges as usize), most);
+        if self.seeds.both_sides.is_some() {
+            mutation.among_seeds_of_both_sides()
+        } else {
+            mutation
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::integrator::metropolis::{ChainPlan, Sampling, Seed};
 use crate::integrator::render::Counters;
 use crate::math::Vec2;
 use crate::mutation::Perturbation;
-use crate::path::{Found, Path, PathSpace};
+use crate::path::{Found, Path, PathSpace, camera_sample};
 use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
 
 /// Chains of paths as what Metropolis sampling samples.
@@ -41,27 +41,43 @@ impl<'a> PathSampling<'a> {
     }
 }
 
-/// Traces a sample of the bootstrap set; hands out its paths.
+/// Traces a sample of the bootstrap set; hands out its paths that go to chains.
+///
+/// - `wants_paths`: false where their light is enough.
 fn trace(
     plan: &ChainPlan<'_>,
-    sample: u32,
-    workers: (&PathSpace<'_>, &mut Path),
+    (sample, wants_paths): (u32, bool),
+    (space, path): (&PathSpace<'_>, &mut Path),
     found: &mut impl FnMut(Found<'_>, Vec2),
 ) {
-    let address = PixelAddress {
-        seed: plan.film.settings.seed,
-        purpose: Purpose::Bootstrap,
-        pixel: sample,
-        sample: plan.pass,
+    let film = plan.film;
+    let sampler = |purpose| {
+        let address = PixelAddress {
+            seed: film.settings.seed,
+            purpose,
+            pixel: sample,
+            sample: plan.pass,
+        };
+        Sampler::new(SamplerKind::Independent, address)
     };
-    let mut numbers = Sampler::new(SamplerKind::Independent, address);
+    let mut numbers = sampler(Purpose::Bootstrap);
     let (low, size) = plan.cells.cell(sample);
     let place = low + size * numbers.next_2d();
-    let raster = plan.film.raster_of(place);
-    plan.film
-        .trace_at(place, workers, u32::MAX, &mut numbers, &mut |path| {
+    let raster = film.raster_of(place);
+    let Some(tracing) = &film.seeds.both_sides else {
+        film.trace_at(place, (space, path), u32::MAX, &mut numbers, &mut |path| {
             found(path, raster);
         });
+        return;
+    };
+    let ray = camera_sample(space, raster, &mut numbers);
+    let samplers = [&mut numbers, &mut sampler(Purpose::Light)];
+    let workers = (space, wants_paths.then_some(path));
+    film.trace_both_sides(tracing, workers, (raster, &ray), samplers, &mut |at| {
+        if film.seeds.goes_to_chains(at.path.edges) {
+            found(at.path, at.raster);
+        }
+    });
 }
 
 impl Sampling for PathSampling<'_> {
@@ -70,7 +86,8 @@ impl Sampling for PathSampling<'_> {
         let mut path = Path::default();
         let all = |sample| {
             let mut sum = 0.0;
-            trace(plan, sample, (&space, &mut path), &mut |found, raster| {
+            let workers = (&space, &mut path);
+            trace(plan, (sample, false), workers, &mut |found, raster| {
                 sum += luminance(&found) * plan.importance.at(raster);
             });
             sum
@@ -96,7 +113,7 @@ impl Sampling for PathSampling<'_> {
         let mut is_found = false;
         trace(
             plan,
-            seed.sample,
+            (seed.sample, true),
             (&space, &mut path),
             &mut |found, raster| {
                 let luminance = luminance(&found) * plan.importance.at(raster);

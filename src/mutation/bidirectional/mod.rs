@@ -25,8 +25,8 @@ pub use fault::SectionFault;
 /// density, there and back: what stays is part of the move. A light is chosen by sampling towards it, by sampling a ray of it, or by chance; not
 /// by a new direction from a point that stays.
 ///
-/// Paths that path tracing cannot find, from a light at a point or of one direction by mirrors and glass to the eye, are not
-/// proposed.
+/// Paths that can be no seeds are not proposed: those that path tracing cannot find, from a light at a point or of one direction
+/// by mirrors and glass; or those that subpaths from both sides cannot find, without an edge between two scattering vertices.
 ///
 /// Source: Veach & Guibas 1997; van Antwerpen 2011, Sec. 6.3.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub struct BidirectionalMutation {
     edges: (usize, usize),
     /// The light's side under way, the light first.
     light: Path,
+    /// Whether subpaths from both sides find seeds, not path tracing.
+    both_sides: bool,
     /// What is wrong on purpose: nothing, except in tests of tests.
     fault: SectionFault,
 }
@@ -47,7 +49,17 @@ impl BidirectionalMutation {
         Self {
             edges: (fewest, most),
             light: Path::default(),
+            both_sides: false,
             fault: SectionFault::None,
+        }
+    }
+
+    /// The same among all paths that subpaths from both sides find.
+    #[must_use]
+    pub fn among_seeds_of_both_sides(self) -> Self {
+        Self {
+            both_sides: true,
+            ..self
         }
     }
 
@@ -180,7 +192,7 @@ impl BidirectionalMutation {
         if !settings.domain.contains(proposal.raster()) {
             return Err(Rejection::OffImage);
         }
-        if !has_seeds(proposal) {
+        if !has_seeds(proposal, self.both_sides) {
             return Err(Rejection::SignatureChanged);
         }
         if proposal.vertices()[1..].iter().any(|v| v.value.is_black()) {
@@ -190,12 +202,20 @@ impl BidirectionalMutation {
     }
 }
 
-/// Whether path tracing can find a path: what it cannot find is no seed, and a chain must not go there,
-/// or it would take energy along from what has seeds.
-fn has_seeds(path: &Path) -> bool {
+/// Whether a path can be found: what cannot be is no seed, and a chain must not go there, or it would take energy
+/// along from what has seeds.
+///
+/// - `both_sides`: by subpaths from both sides; if not, by path tracing.
+fn has_seeds(path: &Path, both_sides: bool) -> bool {
     let (vertices, last) = (path.vertices(), path.edges());
+    // The lens and a light's point can be connected.
+    let is_open = |index: usize| !vertices[index].event.is_dirac();
     match vertices[last].event {
-        Event::Emission(class) if class.is_dirac() => vertices[last - 1].event == Event::Finite,
+        Event::Emission(class) if class.is_dirac() => {
+            let first = if both_sides { 0 } else { last - 1 };
+            // Nobody sees the light itself.
+            last > 1 && (first..last).any(|index| is_open(index) && is_open(index + 1))
+        }
         _ => true,
     }
 }
