@@ -8,6 +8,7 @@
 
 mod assemble;
 mod backlog;
+mod chance;
 mod connect;
 mod image;
 mod subpath;
