@@ -1,6 +1,6 @@
 //! How two subpaths make paths: one function for each kind of technique.
 
-use super::{Bidirection, Bidirectional, SubVertex};
+use super::{Bidirection, Bidirectional, Connection, SubVertex};
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, Transport};
 use crate::emitter::EmitterModel;
