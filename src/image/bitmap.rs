@@ -123,6 +123,23 @@ impl Bitmap {
         }
     }
 
+    /// The same with zero in place of negative values; `None` where there are none.
+    pub fn without_negatives(&self) -> Option<Self> {
+        let texels = match &self.texels {
+            Texels::Half(values) if values.iter().any(|v| *v < f16::ZERO) => {
+                Texels::Half(values.iter().map(|v| v.max(f16::ZERO)).collect())
+            }
+            Texels::Float(values) if values.iter().any(|v| *v < 0.0) => {
+                Texels::Float(values.iter().map(|v| v.max(0.0)).collect())
+            }
+            _ => return None,
+        };
+        Some(Self {
+            texels,
+            ..self.clone()
+        })
+    }
+
     /// Columns of texels.
     pub fn width(&self) -> u32 {
         self.width

@@ -172,6 +172,14 @@ impl TextureModel for Bitmap {
     }
 
     /// Mean over all texels; where `to_uv` shows another part of the picture, over 64 × 64 lookups.
+    fn without_negatives(&self) -> Option<Self> {
+        let image = Arc::new(self.image.without_negatives()?);
+        Some(Self {
+            image,
+            ..self.clone()
+        })
+    }
+
     fn mean(&self) -> Rgb {
         const GRID: u32 = 64;
         let mut sum = glam::DVec3::ZERO;

@@ -71,6 +71,17 @@ impl TextureModel for Checkerboard {
     fn mean(&self) -> Rgb {
         (self.colours[0] + self.colours[1]) * 0.5
     }
+
+    fn without_negatives(&self) -> Option<Self> {
+        let colours = self.colours.map(super::clamped);
+        colours.iter().any(Option::is_some).then(|| {
+            let [a, b] = [0, 1].map(|i| colours[i].unwrap_or(self.colours[i]));
+            Self {
+                colours: [a, b],
+                ..*self
+            }
+        })
+    }
 }
 
 #[cfg(test)]

@@ -33,4 +33,8 @@ impl TextureModel for Constant {
     fn is_constant(&self) -> bool {
         true
     }
+
+    fn without_negatives(&self) -> Option<Self> {
+        super::clamped(self.colour).map(Self::new)
+    }
 }

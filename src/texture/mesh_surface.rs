@@ -129,6 +129,15 @@ impl TextureModel for MeshAttribute {
         let sum: glam::DVec3 = self.values.iter().map(|value| value.0.as_dvec3()).sum();
         Rgb((sum / self.values.len().max(1) as f64).as_vec3())
     }
+
+    fn without_negatives(&self) -> Option<Self> {
+        let clamped = |value: &Rgb| super::clamped(*value).unwrap_or(*value);
+        let is_negative = |value: &Rgb| super::clamped(*value).is_some();
+        self.values.iter().any(is_negative).then(|| Self {
+            values: self.values.iter().map(clamped).collect(),
+            ..self.clone()
+        })
+    }
 }
 
 /// A texture that is looked up at the texture coordinates of a mesh.
@@ -174,6 +183,11 @@ impl TextureModel for OnMesh {
 
     fn is_constant(&self) -> bool {
         self.nested.is_constant()
+    }
+
+    fn without_negatives(&self) -> Option<Self> {
+        let nested = self.nested.without_negatives()?;
+        Some(Self::new(self.surface.clone(), nested))
     }
 }
 

@@ -38,6 +38,11 @@ pub trait TextureModel {
     fn is_constant(&self) -> bool {
         false
     }
+
+    /// The same with zero in place of negative numbers, as light has it; `None` where there are none.
+    fn without_negatives(&self) -> Option<Self>
+    where
+        Self: Sized;
 }
 
 /// Writes the enum of all textures and forwards [`TextureModel`] to its variants.
@@ -74,6 +79,9 @@ macro_rules! texture_models {
             fn is_constant(&self) -> bool {
                 match self { $(Self::$model(t) => t.is_constant(),)* }
             }
+            fn without_negatives(&self) -> Option<Self> {
+                match self { $(Self::$model(t) => t.without_negatives().map(Self::from),)* }
+            }
         }
     };
 }
@@ -100,6 +108,12 @@ impl Texture {
     pub fn is_zero(&self) -> bool {
         self.is_constant() && self.colour(Vec2::ZERO).is_black()
     }
+}
+
+/// Zero in place of negative channels; `None` where there are none.
+fn clamped(colour: Rgb) -> Option<Rgb> {
+    let clamped = colour.clamp(0.0, f32::INFINITY);
+    (clamped != colour).then_some(clamped)
 }
 
 impl From<Rgb> for Texture {

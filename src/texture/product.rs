@@ -45,6 +45,16 @@ impl TextureModel for Product {
     fn is_constant(&self) -> bool {
         self.factors.iter().all(Texture::is_constant)
     }
+
+    /// Each factor by itself.
+    fn without_negatives(&self) -> Option<Self> {
+        let [a, b] = &*self.factors;
+        let (a_clamped, b_clamped) = (a.without_negatives(), b.without_negatives());
+        let is_clamped = a_clamped.is_some() || b_clamped.is_some();
+        let or =
+            |clamped: Option<Texture>, plain: &Texture| clamped.unwrap_or_else(|| plain.clone());
+        is_clamped.then(|| Self::new(or(a_clamped, a), or(b_clamped, b)))
+    }
 }
 
 #[cfg(test)]

@@ -46,6 +46,16 @@ impl TextureModel for Scaled {
     fn is_constant(&self) -> bool {
         self.nested.is_constant()
     }
+
+    /// The texture and the factor, each by itself.
+    fn without_negatives(&self) -> Option<Self> {
+        let (nested, factor) = (self.nested.without_negatives(), super::clamped(self.factor));
+        let is_clamped = nested.is_some() || factor.is_some();
+        is_clamped.then(|| Self {
+            nested: nested.map_or_else(|| self.nested.clone(), Box::new),
+            factor: factor.unwrap_or(self.factor),
+        })
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::fs;
 
 use lumiflow::accel::Ray;
 use lumiflow::bsdf::BsdfModel;
+use lumiflow::emitter::EmitterModel;
 use lumiflow::math::{Rgb, Vec3};
 use lumiflow::scene::import::xml::Strictness;
 use lumiflow::scene::import::{Imported, import};
@@ -118,4 +119,30 @@ fn attributes_that_are_not_there_are_refused() {
         said.contains("a shape without attributes has no \"vertex_color\""),
         "{said}"
     );
+}
+
+#[test]
+fn negative_light_is_clamped_aloud() {
+    let light = |scale: &str| {
+        let texture = attribute("vertex_color", "radiance");
+        let scaled = format!("<float name='scale' value='{scale}'/></texture>");
+        let texture = texture.replace("</texture>", &scaled);
+        shape(&format!("<emitter type='area'>{texture}</emitter>"))
+    };
+    let radiance = |scene: &Imported| {
+        let ray = Ray::new(Vec3::new(0.5, 0.25, 2.0), Vec3::NEG_Z);
+        let hit = scene.scene.intersect(&ray).expect("the mesh lies there");
+        let [light] = scene.scene.lights().emitters() else {
+            panic!("one light");
+        };
+        light.radiance(&hit.point, Vec3::Z)
+    };
+    let bright = imported(&light("2")).expect("a sound scene");
+    assert!((radiance(&bright).0 - Vec3::new(1.0, 1.0, 0.0)).length() < 1e-4);
+    assert!(bright.warnings.is_empty(), "{:?}", bright.warnings);
+    let dark = imported(&light("-2")).expect("a sound scene");
+    assert_eq!(radiance(&dark), Rgb::BLACK);
+    let said: Vec<String> = dark.warnings.iter().map(ToString::to_string).collect();
+    let expected = "warning: some values of this light's texture are negative; clamped";
+    assert!(said.len() == 1 && said[0].ends_with(expected), "{said:?}");
 }

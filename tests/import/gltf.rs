@@ -241,6 +241,29 @@ fn versions_and_nodes_that_are_not_of_the_format_are_refused() {
     }
 }
 
+#[test]
+fn numbers_out_of_range_are_clamped_aloud() {
+    let material = r#"{"name": "paint", "emissiveFactor": [1, -1, 0],
+        "pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, -1, 1], "roughnessFactor": 1.5},
+        "extensions": {"KHR_materials_ior": {"ior": 0.5}}}"#;
+    let used = r#""extensionsUsed": ["KHR_materials_ior", "KHR_lights_punctual"]"#;
+    let lamp = r#""extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": -2}]}}"#;
+    let text = file(material, "", &format!("{used}, {lamp}, {ONE_NODE}"));
+    let notes = notes_of(&text).expect("a sound file");
+    for expected in [
+        "material 0 (\"paint\"): baseColorFactor is 2, 0.5, -1, 1, which is outside 0 to 1; clamped",
+        "material 0 (\"paint\"): roughnessFactor is 1.5, which is outside 0 to 1; clamped",
+        "material 0 (\"paint\"): emissiveFactor is 1, -1, 0, which is negative; clamped",
+        "material 0 (\"paint\"): ior is 0.5, which is below 1; clamped",
+        "light 0: intensity is -2, which is negative; clamped",
+    ] {
+        let expected = format!("a.gltf:1:1: {expected}");
+        assert!(notes.contains(&expected), "{expected}: {notes:?}");
+    }
+    let sound = notes_of(&file("{}", "", ONE_NODE)).expect("a sound file");
+    assert!(!sound.join("\n").contains("clamped"), "{sound:?}");
+}
+
 /// Replaces a piece of a file, and checks what is said then.
 fn is_said(sound: &str, (from, to, expected): (&str, &str, &str)) {
     assert!(sound.contains(from), "{from}");

@@ -1,5 +1,9 @@
 //! Materials that are read in both generations' spellings, and what is said of broken ones.
 
+use lumiflow::math::Rgb;
+use lumiflow::scene::import::xml::Strictness;
+
+use super::models::{below, import_files};
 use super::{check, file_of};
 
 /// A shape with a material, whose content begins in the middle of line 3.
@@ -82,6 +86,20 @@ fn all_parameters_of_materials_that_hold_others_are_known() {
         ("normalmap", format!("{BOARD}{DIFFUSE}{shadowing}")),
     ] {
         check(&material(plugin, &inside), &[], "");
+    }
+}
+
+#[test]
+fn metal_without_a_name_is_a_mirror_or_copper_by_generation() {
+    for plugin in ["conductor", "roughconductor"] {
+        let albedo = |version: &str| {
+            let text = material(plugin, "").replace("3.0.0", version);
+            let imported = import_files(&[("scene.xml", text.as_bytes())], Strictness::Strict);
+            below(&imported.expect("a sound scene"), 0.1, 0.1).0
+        };
+        assert_eq!(albedo("3.0.0"), Rgb::WHITE);
+        let copper = albedo("0.6.0");
+        assert!(copper.r() > 0.9 && copper.b() < 0.6, "{copper:?}");
     }
 }
 

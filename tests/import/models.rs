@@ -113,7 +113,7 @@ fn problems_of_models_have_their_file_and_line() {
     let broken = OBJ.replace("f 1 2 3 4", "f 1 2 99");
     assert!(said(&broken, MTL).contains("a.obj:11:1: there is no vertex 99, the file has 8"));
     let broken = MTL.replace("Kd 0 0 0", "Kd black");
-    let expected = "some of.mtl:5:1: Kd is \"black\", expected one number or three";
+    let expected = "some of.mtl:5:4: Kd is \"black\", expected one number or three";
     assert!(said(OBJ, &broken).contains(expected));
     let missing = OBJ.replace("some of.mtl", "some or.mtl");
     assert!(said(&missing, MTL).contains("did you mean \"some of.mtl\"?"));

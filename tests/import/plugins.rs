@@ -254,7 +254,7 @@ fn curves_are_read_and_those_that_are_none_refused() {
     );
     let broken = said("linearcurve", "0 0 0\n", "").expect_err("no radius");
     assert!(
-        broken.contains("line 1: found \"0 0 0\", expected x, y, z and a radius"),
+        broken.contains("line 1, column 1: found \"0 0 0\", expected x, y, z and a radius"),
         "{broken}"
     );
     let light = "<emitter type='area'/>";

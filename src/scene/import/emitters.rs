@@ -10,7 +10,7 @@ use crate::emitter::{
 };
 use crate::math::{Rgb, Transform, Vec2, Vec3};
 use crate::sensor::PerspectiveSettings;
-use crate::texture::Texture;
+use crate::texture::{Texture, TextureModel};
 
 /// The plugins that are read, for "did you mean".
 const KNOWN: [&str; 10] = [
@@ -88,11 +88,22 @@ impl Loader<'_> {
         reader.ignore(&["sampling_weight"]);
         let radiance = match reader.texture("radiance", ColourUse::Emission) {
             Some(ColourSource::Constant(colour)) => Some(colour.into()),
-            Some(ColourSource::Texture(texture)) => self.texture(texture),
+            Some(ColourSource::Texture(texture)) => self.luminous(texture),
             None => Some(1.0.into()),
         };
         reader.finish();
         radiance
+    }
+
+    /// A texture of light: negative values are clamped, with a warning.
+    fn luminous(&mut self, id: ElementId) -> Option<Texture> {
+        let texture = self.texture(id)?;
+        let Some(clamped) = texture.without_negatives() else {
+            return Some(texture);
+        };
+        let message = "some values of this light's texture are negative; clamped";
+        self.problems.warning(self.location(id), message);
+        Some(clamped)
     }
 
     fn point(&self, reader: &mut ElementReader<'_>) -> Point {
@@ -112,7 +123,7 @@ impl Loader<'_> {
         let cutoff = reader.float("cutoff_angle", 20.0);
         let beam = reader.float("beam_width", cutoff * 0.75);
         let texture = match reader.texture("texture", ColourUse::Reflectance) {
-            Some(ColourSource::Texture(texture)) => self.texture(texture),
+            Some(ColourSource::Texture(texture)) => self.luminous(texture),
             Some(ColourSource::Constant(colour)) => Some(colour.into()),
             None => None,
         };
@@ -132,7 +143,7 @@ impl Loader<'_> {
         let scale = reader.float("scale", 1.0);
         let (degrees, axis) = self.field_of_view(reader);
         let slide: Texture = match reader.texture("irradiance", ColourUse::Emission) {
-            Some(ColourSource::Texture(texture)) => self.texture(texture)?,
+            Some(ColourSource::Texture(texture)) => self.luminous(texture)?,
             Some(ColourSource::Constant(colour)) => colour.into(),
             None => 1.0.into(),
         };

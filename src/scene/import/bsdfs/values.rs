@@ -46,7 +46,13 @@ impl Loader<'_> {
                 k: k / exterior,
             });
         }
-        let material = material.unwrap_or("Cu");
+        // A mirror in the later generation, copper in the first.
+        let default = if self.tree.version().is_first_generation() {
+            "Cu"
+        } else {
+            "none"
+        };
+        let material = material.unwrap_or(default);
         if material.eq_ignore_ascii_case("none") {
             return None;
         }

@@ -7,7 +7,7 @@ use super::{MeshProblem, Place};
 /// Each line has x, y, z and the radius; `#` begins a comment.
 ///
 /// # Errors
-/// [`MeshProblem::Syntax`] and `NotFinite` with the line; `Truncated` for a file without a point.
+/// [`MeshProblem::Syntax`] and `NotFinite` with line and column; `Truncated` for a file without a point.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Vec<[f32; 4]>>, MeshProblem> {
     let mut curves = Vec::new();
     let mut curve = Vec::new();
@@ -23,7 +23,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Vec<[f32; 4]>>, MeshProblem> {
             }
             continue;
         }
-        curve.push(control_point(last, text)?);
+        curve.push(control_point(last, &line, text)?);
     }
     if !curve.is_empty() {
         curves.push(curve);
@@ -37,19 +37,34 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Vec<[f32; 4]>>, MeshProblem> {
     Ok(curves)
 }
 
-fn control_point(line: usize, text: &str) -> Result<[f32; 4], MeshProblem> {
-    let place = Place::Line(line);
-    let numbers: Vec<Option<f32>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
-    let [Some(x), Some(y), Some(z), Some(radius)] = numbers[..] else {
-        return Err(MeshProblem::Syntax {
-            place,
-            message: format!("found \"{text}\", expected x, y, z and a radius"),
-        });
+/// Parses a line with a control point.
+///
+/// - `line`: all of it, and `text`, what stands in it before a comment.
+fn control_point(number: usize, line: &str, text: &str) -> Result<[f32; 4], MeshProblem> {
+    let place = |at: &str| {
+        let before = (at.as_ptr() as usize).saturating_sub(line.as_ptr() as usize);
+        let before = line.get(..before).unwrap_or_default();
+        Place::Column(number, before.chars().count() + 1)
     };
-    let point = [x, y, z, radius];
-    if !point.iter().all(|number| number.is_finite()) {
-        let what = "a control point";
-        return Err(MeshProblem::NotFinite { place, what });
+    let syntax = |at: &str, message| MeshProblem::Syntax {
+        place: place(at),
+        message,
+    };
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let Ok(words) = <[&str; 4]>::try_from(words) else {
+        let message = format!("found \"{text}\", expected x, y, z and a radius");
+        return Err(syntax(text, message));
+    };
+    let mut point = [0.0_f32; 4];
+    for (value, word) in point.iter_mut().zip(words) {
+        let message = || format!("found \"{word}\", expected a number");
+        *value = word.parse().map_err(|_| syntax(word, message()))?;
+        if !value.is_finite() {
+            return Err(MeshProblem::NotFinite {
+                place: place(word),
+                what: "a control point",
+            });
+        }
     }
     Ok(point)
 }
@@ -72,12 +87,14 @@ mod tests {
     #[test]
     fn broken_lines_are_told() {
         let message = |text: &str| parse(text.as_bytes()).unwrap_err().to_string();
-        let expected = "line 2: found \"1 2 3\", expected x, y, z and a radius";
-        assert_eq!(message("0 0 0 1\n1 2 3\n"), expected);
+        let expected = "line 2, column 2: found \"1 2 3\", expected x, y, z and a radius";
+        assert_eq!(message("0 0 0 1\n 1 2 3\n"), expected);
         assert_eq!(
             message("0 0 0 inf"),
-            "line 1: a control point is not a finite number"
+            "line 1, column 7: a control point is not a finite number"
         );
+        let expected = "line 1, column 5: found \"x\", expected a number";
+        assert_eq!(message("0 0 x 1"), expected);
         let expected = "line 2: the file ends where a control point should follow";
         assert_eq!(message("# nothing\n"), expected);
     }

@@ -104,7 +104,7 @@ impl MeshProblem {
             | Self::TooLarge { place, .. }
             | Self::NotFinite { place, .. }
             | Self::IndexOutOfRange { place, .. } => match place {
-                Place::Line(line) => Some(*line),
+                Place::Line(line) | Place::Column(line, _) => Some(*line),
                 _ => None,
             },
             _ => None,
@@ -118,6 +118,8 @@ impl MeshProblem {
 pub enum Place {
     /// Line of a text file, from 1.
     Line(usize),
+    /// Line and column of a text file, from 1.
+    Column(usize, usize),
     /// Offset in a binary file, from 0.
     Byte(usize),
     /// Offset in the inflated data of a shape of a serialized file, from 0.
@@ -128,6 +130,7 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
+            Self::Column(line, column) => write!(f, "line {line}, column {column}"),
             Self::Byte(byte) => write!(f, "byte {byte}"),
             Self::InflatedByte(byte) => write!(f, "byte {byte} of the inflated data"),
         }

@@ -10,15 +10,17 @@
 //! and comments of old files are not UTF-8. `tobj` checks the result in the tests.
 
 mod corners;
+mod words;
 
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
 use corners::Corners;
+use words::{colour, integer, name, numbers};
 
 use super::{ImportedMesh, MeshError, MeshProblem, Place, read_with};
-use crate::shape::mesh::{MeshData, MeshFlaw};
+use crate::shape::mesh::{AttributeDomain, MeshAttribute, MeshData, MeshFlaw};
 
 /// Stands for a texture coordinate or normal that a corner does not have.
 const ABSENT: u32 = u32::MAX;
@@ -131,6 +133,8 @@ struct Forward {
 #[derive(Default)]
 struct Reader {
     positions: Vec<[f32; 3]>,
+    /// Of the positions that have one, in order.
+    colours: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     corners: Corners,
@@ -154,11 +158,12 @@ impl Reader {
         };
         match keyword {
             b"v" => {
-                let position = numbers(number, "v", words, 3)?;
+                let position = numbers(number, "v", words.by_ref(), 3)?;
                 if !position.iter().all(|c| c.is_finite()) {
                     return Err(not_finite(number, "a vertex coordinate"));
                 }
                 self.positions.push(position);
+                self.colours.extend(colour(words));
             }
             b"vt" => {
                 let [u, v, _] = numbers(number, "vt", words, 1)?;
@@ -176,6 +181,11 @@ impl Reader {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Whether all positions have a colour.
+    fn has_colours(&self) -> bool {
+        self.colours.len() == self.positions.len()
     }
 
     fn face<'a>(
@@ -319,56 +329,27 @@ impl Reader {
             normal.copied().unwrap_or_default()
         };
         let position = |vertex: &[u32; 3]| self.positions[vertex[0] as usize];
+        let colours = self.has_colours().then(|| MeshAttribute {
+            name: "vertex_color".to_owned(),
+            domain: AttributeDomain::Vertex,
+            values: vertices
+                .iter()
+                .map(|v| self.colours[v[0] as usize])
+                .collect(),
+        });
+        if !(self.colours.is_empty() || self.has_colours()) {
+            warnings.push("not all vertices have a colour; colours ignored".to_owned());
+        }
         let data = MeshData {
             positions: vertices.iter().map(position).collect(),
             indices: std::mem::take(&mut self.triangles),
             normals: (without_normal < vertices.len())
                 .then(|| vertices.iter().map(normal).collect()),
             uvs: (without_uv < vertices.len()).then(|| vertices.iter().map(uv).collect()),
-            attributes: Vec::new(),
+            attributes: colours.into_iter().collect(),
         };
         (data, warnings)
     }
-}
-
-/// What follows a keyword, blanks inside of it included.
-fn name(line: &[u8], keyword: &[u8]) -> String {
-    let rest = line.trim_ascii_start().get(keyword.len()..);
-    String::from_utf8_lossy(rest.unwrap_or_default().trim_ascii()).into_owned()
-}
-
-/// Reads up to three numbers, of which `required` must be there; the others are 0 if missing.
-fn numbers<'a>(
-    line: usize,
-    keyword: &str,
-    mut words: impl Iterator<Item = &'a [u8]>,
-    required: usize,
-) -> Result<[f32; 3], MeshProblem> {
-    let syntax = |message| MeshProblem::Syntax {
-        place: Place::Line(line),
-        message,
-    };
-    let mut values = [0.; 3];
-    for (found, value) in values.iter_mut().enumerate() {
-        let Some(word) = words.next() else {
-            if found >= required {
-                break;
-            }
-            return Err(syntax(format!(
-                "{keyword} has {found} of {required} numbers"
-            )));
-        };
-        let parsed = std::str::from_utf8(word)
-            .ok()
-            .and_then(|word| word.parse().ok());
-        *value =
-            parsed.ok_or_else(|| syntax(format!("\"{}\" is not a number", word.escape_ascii())))?;
-    }
-    Ok(values)
-}
-
-fn integer(word: &[u8]) -> Option<i64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
 }
 
 fn not_finite(line: usize, what: &'static str) -> MeshProblem {

@@ -64,7 +64,7 @@ impl Model<'_> {
         let is_glass = matches!(material.model, 4 | 6 | 7 | 9);
         if is_glass {
             let ior = RelativeIor::new(material.ior.unwrap_or(1.5), 1.0)?;
-            let glass = Dielectric::new(ior, 1.0, material.transmission.clamp(0.0, 1.0));
+            let glass = Dielectric::new(ior, 1.0, material.transmission);
             return Ok(self.bent(glass.into(), material, library));
         }
         let opaque = self.opaque(material, library)?;
@@ -91,11 +91,21 @@ impl Model<'_> {
             // Many exporters write black beside a picture, and mean the picture.
             (Some(picture), None) => picture,
             (Some(picture), Some(colour)) if colour.is_black() => picture,
-            (Some(picture), Some(colour)) => scaled(picture, colour.clamp(0.0, 1.0)),
-            (None, colour) => colour.unwrap_or(Rgb::grey(0.5)).clamp(0.0, 1.0).into(),
+            (Some(picture), Some(colour)) => scaled(picture, colour),
+            (None, colour) => colour.unwrap_or(Rgb::grey(0.5)).into(),
         };
         if material.roughness.is_some() || material.metallic.is_some() {
-            let ior = RelativeIor::new(material.ior.filter(|ior| *ior > 1.0).unwrap_or(1.5), 1.0)?;
+            let given = material.ior.unwrap_or(1.5);
+            let ior = if given > 1.0 { given } else { 1.5 };
+            if ior != given {
+                let name = &material.name;
+                let message = format!(
+                    "material \"{name}\": Ni is {given}, expected more than 1; 1.5 is used"
+                );
+                self.problems
+                    .replacement(&line_of(library, material.line), message);
+            }
+            let ior = RelativeIor::new(ior, 1.0)?;
             let mut parameters = PrincipledParameters::new(base, ior);
             parameters.roughness = material.roughness.unwrap_or(0.5).into();
             parameters.metallic = material.metallic.unwrap_or(0.0).into();
@@ -103,7 +113,7 @@ impl Model<'_> {
         }
         let map = material.map(MapKind::Specular);
         let picture = map.and_then(|map| self.picture(map, library, Transfer::Srgb));
-        let colour = material.specular.clamp(0.0, 1.0);
+        let colour = material.specular;
         let is_matt = material.model < 2 || (colour.is_black() && picture.is_none());
         if is_matt {
             return Ok(Diffuse::new(base).into());

@@ -185,6 +185,15 @@ struct MadeSurface {
     follows_coordinates: bool,
 }
 
+/// What is wrong with a number that is not from 0 to `most`.
+fn range(most: f32) -> &'static str {
+    if most.is_finite() {
+        "which is outside 0 to 1"
+    } else {
+        "which is negative"
+    }
+}
+
 /// A line of a file.
 fn line_of(source: &Arc<Source>, line: usize) -> Location {
     Location {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::{MadeSurface, Model, mtl};
 use crate::bsdf::{Diffuse, TwoSided};
 use crate::scene::import::mesh::obj::{self, ObjModel};
-use crate::scene::import::xml::{Source, did_you_mean};
+use crate::scene::import::xml::{Location, Source, did_you_mean};
 use crate::scene::import::{ImportError, ImportOptions, Imported};
 
 /// Imports an OBJ file; see [`crate::scene::import::import`].
@@ -84,7 +84,9 @@ impl Model<'_> {
             });
             let (materials, complaints) = mtl::parse(&bytes);
             for complaint in complaints {
-                let place = super::line_of(&source, complaint.line);
+                let column = u32::try_from(complaint.column).unwrap_or(u32::MAX);
+                let line = super::line_of(&source, complaint.line);
+                let place = Location { column, ..line };
                 if complaint.is_error {
                     self.problems.error(&place, complaint.message);
                 } else {

@@ -29,6 +29,34 @@ fn positions_alone_leave_normals_and_coordinates_out() {
 }
 
 #[test]
+fn numbers_after_positions_are_colours_where_there_are_three() {
+    let colours = |text: &str| {
+        let mesh = parse(text.as_bytes(), true).unwrap();
+        let values = mesh.data.attributes.into_iter().next();
+        (
+            values.map(|values| (values.name, values.values)),
+            mesh.warnings,
+        )
+    };
+    let text = "v 0 0 0 1 0 0.5\nv 1 0 0 0 1 0\nv 0 1 0 0.25 0 1\nf 1 3 2\n";
+    let values = vec![[1.0, 0.0, 0.5], [0.25, 0.0, 1.0], [0.0, 1.0, 0.0]];
+    let expected = Some(("vertex_color".to_owned(), values));
+    assert_eq!(colours(text), (expected, vec![]));
+    let ignored = vec!["not all vertices have a colour; colours ignored".to_owned()];
+    for lacking in [
+        "v 1 0 0\n",
+        "v 1 0 0 1\n",
+        "v 1 0 0 0 1 0 1\n",
+        "v 1 0 0 0 x 0\n",
+    ] {
+        let text = text.replace("v 1 0 0 0 1 0\n", lacking);
+        assert_eq!(colours(&text), (None, ignored.clone()), "{text}");
+    }
+    let weighted = "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n";
+    assert_eq!(colours(weighted), (None, vec![]));
+}
+
+#[test]
 fn unused_normals_and_coordinates_do_not_count() {
     let mesh = with_triangle("vn 0 0 1\nvt 0 0\nf 1 2 3\n");
     assert_eq!((mesh.data.normals, mesh.data.uvs), (None, None));

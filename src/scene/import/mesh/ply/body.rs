@@ -61,7 +61,7 @@ impl<'a> Body<'a> {
     /// Reads one number.
     pub(super) fn scalar(&mut self, scalar: Scalar) -> Result<f64, MeshProblem> {
         match self.encoding {
-            Encoding::Ascii => self.word(),
+            Encoding::Ascii => self.word(scalar),
             Encoding::LittleEndian | Encoding::BigEndian => Ok(match scalar {
                 Scalar::I8 => f64::from(i8::from_le_bytes(self.value()?)),
                 Scalar::U8 => f64::from(u8::from_le_bytes(self.value()?)),
@@ -191,7 +191,7 @@ impl<'a> Body<'a> {
     }
 
     /// The next number of a text.
-    fn word(&mut self) -> Result<f64, MeshProblem> {
+    fn word(&mut self, scalar: Scalar) -> Result<f64, MeshProblem> {
         let rest = &self.bytes[self.at..];
         let Some(start) = rest.iter().position(|b| !b.is_ascii_whitespace()) else {
             self.at = self.bytes.len();
@@ -209,6 +209,13 @@ impl<'a> Body<'a> {
         let Some(number) = number else {
             return Err(self.syntax(format!("\"{}\" is not a number", word.escape_ascii())));
         };
+        if let Some([least, most]) = scalar.range() {
+            let is_in_range = (least..=most).contains(&number);
+            if !is_in_range || number.fract() != 0.0 {
+                let expected = format!("expected a whole number from {least} to {most}");
+                return Err(self.syntax(format!("found {number}, {expected}")));
+            }
+        }
         self.at += word.len();
         Ok(number)
     }

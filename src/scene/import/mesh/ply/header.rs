@@ -38,6 +38,25 @@ impl Scalar {
         }
     }
 
+    /// Whole numbers from the least to the largest; `None` for numbers of any size.
+    pub(super) fn range(self) -> Option<[f64; 2]> {
+        let (is_signed, bits) = match self {
+            Self::I8 => (true, 8),
+            Self::U8 => (false, 8),
+            Self::I16 => (true, 16),
+            Self::U16 => (false, 16),
+            Self::I32 => (true, 32),
+            Self::U32 => (false, 32),
+            Self::F32 | Self::F64 => return None,
+        };
+        let count = 2_f64.powi(bits);
+        Some(if is_signed {
+            [-0.5 * count, 0.5 * count - 1.0]
+        } else {
+            [0.0, count - 1.0]
+        })
+    }
+
     /// Bytes that a value takes in a binary file.
     pub(super) fn size(self) -> usize {
         match self {
@@ -111,6 +130,11 @@ impl Header {
                     let Some(element) = elements.last_mut() else {
                         return Err(syntax(line, "a property before the first element"));
                     };
+                    if element.properties.iter().any(|p| p.name == property.name) {
+                        let (element, name) = (&element.name, &property.name);
+                        let message = format!("a second property {name} of {element}");
+                        return Err(syntax(line, &message));
+                    }
                     element.properties.push(property);
                 }
                 ["end_header"] => {

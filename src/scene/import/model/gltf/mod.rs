@@ -7,6 +7,7 @@ mod buffers;
 mod materials;
 mod meshes;
 mod nodes;
+mod ranges;
 mod textures;
 
 use std::collections::HashMap;
@@ -152,6 +153,7 @@ impl Model<'_> {
             let message = "animations are not read: all stands as at rest";
             self.problems.warning(&self.line(1), message);
         }
+        self.note_ranges(document);
         let Some(buffers) = self.gltf_buffers(document, blob) else {
             return;
         };
