@@ -153,9 +153,8 @@ fn pictures_that_are_not_the_same_are_told_apart() {
     }
 }
 
-/// How much energy there is more in pictures whose connections are dropped by chance, as a share of that
-/// in pictures of the same subpaths with all connections, and its error.
-fn gain(roulette: f32) -> (f64, f64) {
+/// How much energy there is more in pictures by some options than by others, as a share, and its error.
+fn gain(plain: &str, other: &str) -> (f64, f64) {
     let view = hard_scenes::indirect(SIDE);
     let picture = |seed, text: &str| {
         let settings = settings(seed, SIDE);
@@ -167,24 +166,68 @@ fn gain(roulette: f32) -> (f64, f64) {
             samples(32),
         ))
     };
-    let plain = "bdpt max_depth=6 rr_depth=2";
-    let dropped = format!("{plain} connection_roulette={roulette}");
     let found = Replicas::new(seed(60), REPLICAS, |seed| {
-        let (all, some) = (picture(seed, plain), picture(seed, &dropped));
-        vec![some / all - 1.0]
+        let (plain, other) = (picture(seed, plain), picture(seed, other));
+        vec![other / plain - 1.0]
     });
     let (mean, variance) = found.summary()[0];
     (mean, variance.sqrt())
 }
 
-/// Another renderer gains 4 % where it drops connections by chance.
+/// Another renderer gains 4 % where its Russian roulette is on: of connections, or of subpaths.
 #[test]
-fn dropping_connections_keeps_the_energy() {
-    for roulette in [0.1, 1.0, 3.0] {
-        let (gain, error) = gain(roulette);
+fn roulette_keeps_the_energy() {
+    for (plain, other) in [
+        ("rr_depth=2", "rr_depth=2 connection_roulette=0.1"),
+        ("rr_depth=2", "rr_depth=2 connection_roulette=1"),
+        ("rr_depth=2", "rr_depth=2 connection_roulette=3"),
+        ("rr_depth=100", "rr_depth=1"),
+        ("rr_depth=100", "rr_depth=2"),
+        ("rr_depth=100", "rr_depth=5"),
+    ] {
+        let text = |options: &str| format!("bdpt max_depth=7 {options}");
+        let (gain, error) = gain(&text(plain), &text(other));
         assert!(error > 0.0 && error < 0.008, "4 % must show: {error}");
-        assert!(gain.abs() < 4.0 * error, "{roulette}: {gain} ± {error}");
+        assert!(gain.abs() < 4.0 * error, "{other}: {gain} ± {error}");
         assert!((gain + 0.04).abs() > 4.0 * error, "{gain} ± {error}");
+    }
+}
+
+/// What is lost beyond some edges is less than what the other renderer gains, and found.
+#[test]
+fn a_few_per_cent_of_energy_are_found() {
+    let (gain, error) = gain("bdpt max_depth=7", "bdpt max_depth=5");
+    assert!(gain > -0.08 && gain < -5.0 * error, "{gain} ± {error}");
+}
+
+#[test]
+fn layers_of_techniques_add_up_to_the_image() {
+    let view = points();
+    let algorithm = integrator("bdpt technique_edges=3");
+    for filter in filters() {
+        let settings = PixelSettings {
+            filter,
+            own_layers: vec!["techniques".to_owned()],
+            ..settings(5, SIDE)
+        };
+        let rendered = run(&view.scene, &view.sensor, &*algorithm, settings, 16);
+        let mut sums = vec![0.0; rendered.means[0].len()];
+        let mut with_light = Vec::new();
+        for ((layer, _), values) in rendered.layers.iter().zip(&rendered.means).skip(1) {
+            let light: f32 = values.iter().sum();
+            if light > 0.0 {
+                with_light.push(layer.name.clone());
+            }
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += f64::from(*value);
+            }
+        }
+        // Lights are points: no ray meets them, and the lens sees none of them.
+        let names = ["s1t1", "s0t2", "s2t1", "s1t2", "s0t3", "longer"];
+        assert_eq!(with_light, names.map(|name| format!("techniques.{name}")));
+        for (sum, value) in sums.iter().zip(&rendered.means[0]) {
+            assert!((sum - f64::from(*value)).abs() <= 1e-5 * sum.abs().max(1e-3));
+        }
     }
 }
 

@@ -134,7 +134,8 @@ pub(super) struct RenderArgs {
 
     /// Further layers of the EXR file, with commas between: albedo, sh_normal, geo_normal, depth,
     /// position, uv; variance (of the pixels' means); proposals, acceptance, chains (of erpt,
-    /// pmc-er, mlt, pssmlt and mmlt); strategy, mutations, population_age (of pmc-er)
+    /// pmc-er, mlt, pssmlt and mmlt); strategy, mutations, population_age (of pmc-er);
+    /// techniques (of bdpt)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) aov: Vec<String>,
 

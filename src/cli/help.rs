@@ -89,6 +89,10 @@ const OPTIONS: &[(&str, &str)] = &[
         "drop most connections that would bring less than this share of the mean luminance; 0 makes all",
     ),
     (
+        "technique_edges",
+        "longest paths whose techniques have layers of their own with --aov techniques, in edges",
+    ),
+    (
         "shading_samples",
         "sets emitter_samples and bsdf_samples at once",
     ),

@@ -233,7 +233,7 @@ fn named_layers(names: &[String]) -> Result<NamedLayers, Failure> {
             Some(aov) if !found.aovs.contains(&aov) => found.aovs.push(aov),
             Some(_) => {}
             None if name == VARIANCE => found.variance = true,
-            None if integrator::OWN_LAYERS.contains(&name) => {
+            None if integrator::OWN_LAYERS.concat().contains(&name) => {
                 if !found.own_layers.iter().any(|known| known == name) {
                     found.own_layers.push(name.to_owned());
                 }
@@ -241,7 +241,7 @@ fn named_layers(names: &[String]) -> Result<NamedLayers, Failure> {
             None => {
                 let known = Aov::NAMES.map(|(known, _)| known).into_iter();
                 let known: Vec<&str> = known
-                    .chain(integrator::OWN_LAYERS.iter().copied())
+                    .chain(integrator::OWN_LAYERS.concat())
                     .chain([VARIANCE])
                     .collect();
                 let hint = did_you_mean(name, known.iter().copied());

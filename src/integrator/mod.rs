@@ -95,7 +95,7 @@ pub fn correlates_pixels(name: &str) -> bool {
 }
 
 /// Names of layers that some algorithm makes on demand.
-pub const OWN_LAYERS: &[&str] = pmc_er::OWN_LAYERS;
+pub const OWN_LAYERS: [&[&str]; 2] = [pmc_er::OWN_LAYERS, bdpt::OWN_LAYERS];
 
 /// Makes an algorithm by name.
 ///

@@ -175,7 +175,7 @@ fn names_in_arguments_are_checked_first() {
         message(&["--aov", "uv,albdo"]),
         "unknown layer \"albdo\" (did you mean \"albedo\"?); there are albedo, sh_normal, \
          geo_normal, depth, position, uv, proposals, acceptance, chains, strategy, mutations, \
-         population_age, variance"
+         population_age, techniques, variance"
     );
     check_names(&Words::new(&["-i", "direct", "--aov", "uv"]).wish()).unwrap();
 }

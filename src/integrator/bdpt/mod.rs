@@ -1,5 +1,6 @@
 //! Bidirectional path tracing, and light tracing alone.
 
+mod layers;
 mod render;
 
 use super::Algorithm;
@@ -10,6 +11,7 @@ use crate::path::{Bidirectional, PathRules, Techniques, Weighing};
 use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
 use crate::sensor::Sensor;
+pub(super) use layers::OWN_LAYERS;
 use render::BidirectionalRender;
 
 /// Traces subpaths from the camera and from the lights, and weighs all ways in which they make a path.
@@ -21,6 +23,8 @@ pub struct Bdpt {
     rules: PathRules,
     /// Connections below this share of the mean luminance are made by Russian roulette.
     connection_roulette: f64,
+    /// Most edges of paths whose techniques have layers of their own, where these are wanted.
+    technique_edges: usize,
     /// Light subpaths alone make the image.
     light_only: bool,
 }
@@ -45,6 +49,7 @@ impl Bdpt {
             },
             rules: rules(options)?,
             connection_roulette: options.float("connection_roulette", 0.0..=1e6, 0.0)?,
+            technique_edges: options.integer("technique_edges", 1..=16, 5)? as usize,
             light_only: false,
         })
     }
@@ -58,6 +63,7 @@ impl Bdpt {
             tracing: tracing(options, 5)?,
             rules: rules(options)?,
             connection_roulette: 0.0,
+            technique_edges: 1,
             light_only: true,
         })
     }
@@ -101,5 +107,10 @@ impl Algorithm for Bdpt {
     fn has_second_moment(&self) -> bool {
         // What light subpaths show lands anywhere, and is no sample of a pixel.
         false
+    }
+
+    fn own_layers(&self) -> &'static [&'static str] {
+        // Light tracing has one technique for each length.
+        if self.light_only { &[] } else { OWN_LAYERS }
     }
 }

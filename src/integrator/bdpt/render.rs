@@ -1,6 +1,7 @@
 //! The passes of bidirectional path tracing.
 
 use super::Bdpt;
+use super::layers::TechniqueLayers;
 use crate::film::{Layer, PassBuffer, Unit, Window};
 use crate::integrator::aov;
 use crate::integrator::camera::{
@@ -9,7 +10,7 @@ use crate::integrator::camera::{
 use crate::integrator::pixel::PixelSettings;
 use crate::integrator::render::{Counters, Driver, Integrator};
 use crate::math::{Rgb, Vec2};
-use crate::path::{Bidirection, Bidirectional, LightImage, PathSpace};
+use crate::path::{Bidirection, Bidirectional, Connection, LightImage, PathSpace};
 use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
 use crate::scene::Scene;
 use crate::sensor::Sensor;
@@ -30,6 +31,8 @@ pub(super) struct BidirectionalRender<'s> {
     /// The pixels that get camera samples.
     sampled: SampledWindow,
     image: LightImage,
+    /// Where what each technique brings lands.
+    techniques: Option<TechniqueLayers>,
     unit: Unit,
 }
 
@@ -65,6 +68,8 @@ impl<'s> BidirectionalRender<'s> {
                 high: film.corners().1,
             },
             unit: Unit::for_magnitude(1.0),
+            techniques: (!settings.own_layers.is_empty())
+                .then(|| TechniqueLayers::new(bdpt.technique_edges, 1)),
             settings,
         };
         let mean = render.mean_luminance();
@@ -87,8 +92,8 @@ impl<'s> BidirectionalRender<'s> {
             };
             let mut light = Sampler::new(SamplerKind::Independent, address);
             let mut total = Rgb::BLACK;
-            self.trace(&mut worker, &mut camera, &mut light, |_, _, energy| {
-                total += energy;
+            self.trace(&mut worker, &mut camera, &mut light, |path| {
+                total += path.energy();
             });
             f64::from(total.luminance())
         })
@@ -101,13 +106,13 @@ impl<'s> BidirectionalRender<'s> {
         }
     }
 
-    /// Hands out what a sample adds to the image: whether a light subpath shows it, where, and how much.
+    /// Hands out the paths of a sample.
     fn trace(
         &self,
         worker: &mut Worker<'s>,
         camera: &mut CameraSample,
         light: &mut Sampler,
-        mut add: impl FnMut(bool, Vec2, Rgb),
+        mut add: impl FnMut(&Connection),
     ) {
         let Worker { space, sample } = worker;
         let seen = (camera.raster, &camera.ray);
@@ -121,25 +126,23 @@ impl<'s> BidirectionalRender<'s> {
                 seen,
                 &self.image,
                 samplers,
-                &mut |_, path| {
-                    add(path.eye == 0, path.raster, path.energy());
-                },
+                &mut |_, path| add(path),
             );
         }
     }
 
-    /// Hands out what a light subpath alone adds to the image.
+    /// Hands out the paths that a light subpath alone makes.
     fn trace_light(
         &self,
         space: &PathSpace<'s>,
         sample: &mut Bidirection<'s>,
         light: &mut Sampler,
-        mut add: impl FnMut(bool, Vec2, Rgb),
+        mut add: impl FnMut(&Connection),
     ) {
         let alone = self.bdpt.light_only;
         self.tracing
             .trace_image(space, sample, &self.image, light, alone, &mut |_, path| {
-                add(true, path.raster, path.energy());
+                add(path);
             });
     }
 
@@ -178,19 +181,22 @@ impl<'s> BidirectionalRender<'s> {
         let mut light = Sampler::new(settings.sampler, address);
         if !is_sampled {
             let Worker { space, sample } = worker;
-            self.trace_light(space, sample, &mut light, |_, raster, energy| {
-                self.land(layers, raster, energy, 0.0);
+            self.trace_light(space, sample, &mut light, |path| {
+                self.land_path(layers, path);
             });
             return;
         }
         let mut camera = CameraSample::of_pixel(self.sensor, settings, pixel, Purpose::Pixel, pass);
         let raster = camera.raster;
         let mut radiance = Rgb::BLACK;
-        self.trace(worker, &mut camera, &mut light, |is_shown, at, energy| {
-            if is_shown {
-                self.land(layers, at, energy, 0.0);
-            } else {
-                radiance += energy;
+        self.trace(worker, &mut camera, &mut light, |path| {
+            if path.eye == 0 {
+                self.land_path(layers, path);
+                return;
+            }
+            radiance += path.energy();
+            if let Some(techniques) = self.techniques {
+                techniques.land(layers, &settings.filter, path);
             }
         });
         if !self.bdpt.light_only {
@@ -203,7 +209,21 @@ impl<'s> BidirectionalRender<'s> {
         }
         if !settings.aovs.is_empty() {
             let first = worker.space.meet(camera.ray.to_ray(), false);
-            aov::add_all(settings, first.as_ref(), raster, &layers[1..]);
+            let aovs = &layers[1 + self.technique_count()..];
+            aov::add_all(settings, first.as_ref(), raster, aovs);
+        }
+    }
+
+    /// Number of layers of techniques.
+    fn technique_count(&self) -> usize {
+        self.techniques.map_or(0, TechniqueLayers::count)
+    }
+
+    /// Lets what a light subpath shows land on the film.
+    fn land_path(&self, layers: &[PassBuffer], path: &Connection) {
+        self.land(layers, path.raster, path.energy(), 0.0);
+        if let Some(techniques) = self.techniques {
+            techniques.land(layers, &self.settings.filter, path);
         }
     }
 
@@ -223,12 +243,14 @@ impl Integrator for BidirectionalRender<'_> {
     fn layers(&self) -> Vec<Layer> {
         let beauty = if self.settings.alpha { "RGBA" } else { "RGB" };
         let mut layers = vec![Layer::new("", beauty)];
+        let techniques = self.techniques.into_iter();
+        layers.extend(techniques.flat_map(TechniqueLayers::layers));
         layers.extend(self.settings.aovs.iter().map(|aov| aov.layer()));
         layers
     }
 
     fn units(&self) -> Vec<Unit> {
-        let mut units = vec![self.unit];
+        let mut units = vec![self.unit; 1 + self.technique_count()];
         let bounds = self.scene.bounds();
         units.extend(self.settings.aovs.iter().map(|aov| aov.unit(bounds)));
         units
