@@ -2,6 +2,7 @@
 
 mod bench;
 mod compare;
+mod crosscheck;
 mod interrupt;
 mod race;
 mod render;
@@ -167,13 +168,22 @@ fn the_version_names_all_parts() {
         lines[2].starts_with("OpenEXR 3.") && lines[2].contains("headers 3."),
         "{lines:?}"
     );
+    assert!(lines[3].starts_with("obvhs 0."), "{lines:?}");
 }
 
 #[test]
 fn help_lists_commands_options_and_exit_codes() {
     let place = Place::new();
     let done = place.succeed(&["--help"]);
-    for part in ["render", "info", "convert", "compare", "bench", "143"] {
+    for part in [
+        "render",
+        "info",
+        "convert",
+        "compare",
+        "bench",
+        "crosscheck",
+        "143",
+    ] {
         assert!(done.stdout.contains(part), "{part}: {}", done.stdout);
     }
     let done = place.succeed(&["help", "render"]);

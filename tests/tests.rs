@@ -9,6 +9,7 @@ mod bidirectional;
 mod bidirectional_mutation;
 mod chi_square;
 mod cli;
+mod crosscheck;
 mod density_forms;
 mod determinism;
 mod erpt;

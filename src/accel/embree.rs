@@ -4,54 +4,18 @@ use std::sync::Arc;
 
 use embree4_sys::{CommittedScene, Device, Hit, SceneBuilder};
 
-use super::{Geometry, Ray};
+use super::{AccelError, Engine, Geometry, Instance, Ray};
 use crate::math::Vec3;
 
-/// Why geometry could not be made traceable.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum AccelError {
-    /// Embree cannot start, or cannot build.
-    #[error("Embree: {0}")]
-    Embree(#[from] embree4_sys::Error),
-    /// Embree refuses a geometry.
-    #[error("Embree: {error}")]
-    Geometry {
-        /// Its index.
-        index: usize,
-        /// What is wrong with it.
-        error: embree4_sys::Error,
-    },
-}
-
-/// Geometry that rays can be traced against.
+/// Geometry in Embree's search structure.
 #[derive(Debug)]
-pub struct Accel {
+pub(super) struct EmbreeAccel {
     scene: CommittedScene,
 }
 
-/// A group of geometries, placed in the world.
-#[derive(Clone, Copy, Debug)]
-pub struct Instance {
-    /// Index of the group.
-    pub group: u32,
-    /// Affine map from the group's space to the world, by rows.
-    pub to_world: [[f32; 4]; 3],
-}
-
-impl Accel {
-    /// Builds the search structure.
-    ///
-    /// Hits on `geometries` have no instance; their geometry is the index in there. Hits on an
-    /// instance have the number of `geometries` plus the index in `instances` as their instance, and
-    /// the index in the group as their geometry.
-    ///
-    /// - `groups`: geometries that are not in the scene by themselves, each in a space of its own.
-    ///
-    /// # Errors
-    /// When Embree cannot start, runs out of memory, or a buffer holds a vertex that is not finite or
-    /// an index out of range. Errors count `geometries`, then those of the groups, then `instances`.
-    pub fn build<G: IntoIterator<Item = Geometry>>(
+impl EmbreeAccel {
+    /// As [`super::Accel::build`].
+    pub(super) fn build<G: IntoIterator<Item = Geometry>>(
         geometries: impl IntoIterator<Item = Geometry>,
         groups: impl IntoIterator<Item = G>,
         instances: impl IntoIterator<Item = Instance>,
@@ -69,39 +33,35 @@ impl Accel {
         for (index, instance) in (count..).zip(instances) {
             let group = Arc::clone(&built[instance.group as usize]);
             let added = world.add_instance(group, instance.to_world);
-            added.map_err(|error| AccelError::Geometry { index, error })?;
+            added.map_err(|error| refused(index, error))?;
         }
         Ok(Self {
             scene: world.commit()?,
         })
     }
 
-    /// The closest hit.
+    /// As [`super::Accel::intersect`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.scene.intersect(&embree_ray(ray))
     }
 
-    /// True when the ray hits anything.
+    /// As [`super::Accel::is_occluded`].
     #[inline]
-    pub fn is_occluded(&self, ray: &Ray) -> bool {
+    pub(super) fn is_occluded(&self, ray: &Ray) -> bool {
         self.scene.occluded(&embree_ray(ray))
     }
 
-    /// The closest hits of many rays, as [`Accel::intersect`] finds them, in less time.
-    ///
-    /// - `hits`: filled anew, one a ray.
+    /// As [`super::Accel::intersect_all`].
     #[inline]
-    pub fn intersect_all(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    pub(super) fn intersect_all(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         self.scene.intersect_all(rays.iter().map(embree_ray), hits);
     }
 
-    /// Whether each of many rays hits anything, as [`Accel::is_occluded`] says, in less time.
-    ///
-    /// - `occluded`: filled anew, one a ray.
+    /// As [`super::Accel::are_occluded`].
     #[inline]
-    pub fn are_occluded<'r>(
+    pub(super) fn are_occluded<'r>(
         &self,
         rays: impl IntoIterator<Item = &'r Ray>,
         occluded: &mut Vec<bool>,
@@ -111,8 +71,8 @@ impl Accel {
         self.scene.occluded_all(rays, occluded);
     }
 
-    /// Lowest and highest corner of the box around everything; `None` when there is nothing.
-    pub fn bounding_box(&self) -> Option<(Vec3, Vec3)> {
+    /// As [`super::Accel::bounding_box`].
+    pub(super) fn bounding_box(&self) -> Option<(Vec3, Vec3)> {
         let bounds = self.scene.bounds()?;
         Some((
             Vec3::from_array(bounds.lower),
@@ -121,15 +81,22 @@ impl Accel {
     }
 }
 
-/// Versions of the tracer: of the headers at build time, and of the library that runs.
+/// Versions of Embree: of the headers at build time, and of the library that runs.
+///
+/// # Errors
+/// When Embree cannot start.
 pub fn versions() -> Result<(String, String), AccelError> {
     let versions = Device::new("")?.version();
     Ok((versions.header.to_string(), versions.library.to_string()))
 }
 
-/// Sets the calling thread up for tracing: numbers too small to matter are flushed to zero.
-pub fn prepare_worker() {
-    embree4_sys::flush_denormals();
+/// Embree refuses a geometry.
+fn refused(index: usize, error: embree4_sys::Error) -> AccelError {
+    AccelError::Geometry {
+        engine: Engine::Embree,
+        index,
+        error,
+    }
 }
 
 /// Adds geometries to a scene; `count` is that of all geometries so far.
@@ -149,7 +116,7 @@ fn add_all(
             Geometry::Cylinder(to_world) => builder.add_cylinder(to_world),
         };
         let index = *count;
-        added.map_err(|error| AccelError::Geometry { index, error })?;
+        added.map_err(|error| refused(index, error))?;
         *count += 1;
     }
     Ok(())

@@ -1,13 +1,22 @@
-//! Rays against geometry: the only module that speaks to the tracer.
+//! Rays against geometry: the only module that speaks to the tracers.
+//!
+//! There are two: Embree, and a tree of obvhs that is walked in double precision. Which one is at work
+//! is chosen when a scene is built; a branch on it costs a ray one comparison.
 
 mod embree;
+mod obvhs;
 mod ray;
 
-pub use embree::{Accel, AccelError, Instance, prepare_worker, versions};
+use std::fmt;
+
+pub use embree::versions;
 pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, VertexBuffer};
+pub use obvhs::VERSION as OBVHS_VERSION;
 pub use ray::Ray;
 
 use crate::math::Vec3;
+use embree::EmbreeAccel;
+use obvhs::ObvhsAccel;
 
 /// What a tracer can be given.
 #[derive(Clone, Debug)]
@@ -28,4 +37,163 @@ pub enum Geometry {
     /// The image of the open cylinder of radius 1 from `z = 0` to `z = 1` under an affine map, given
     /// by its rows.
     Cylinder([[f32; 4]; 3]),
+}
+
+/// A group of geometries, placed in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Index of the group.
+    pub group: u32,
+    /// Affine map from the group's space to the world, by rows.
+    pub to_world: [[f32; 4]; 3],
+}
+
+/// Which tracer finds what rays meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// Embree: fast, in single precision.
+    #[default]
+    Embree,
+    /// A tree of obvhs, walked in double precision: several times slower, shares no code with Embree.
+    Obvhs,
+}
+
+impl Engine {
+    /// All of them, the default first.
+    pub const ALL: [Self; 2] = [Self::Embree, Self::Obvhs];
+
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Embree => "embree",
+            Self::Obvhs => "obvhs",
+        }
+    }
+}
+
+impl fmt::Display for Engine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Embree => "Embree",
+            Self::Obvhs => "obvhs",
+        })
+    }
+}
+
+/// Why geometry could not be made traceable.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AccelError {
+    /// Embree cannot start, or cannot build.
+    #[error("Embree: {0}")]
+    Embree(#[from] embree4_sys::Error),
+    /// A tracer refuses a geometry.
+    #[error("{engine}: {error}")]
+    Geometry {
+        /// Which tracer.
+        engine: Engine,
+        /// The geometry's index.
+        index: usize,
+        /// What is wrong with it.
+        error: embree4_sys::Error,
+    },
+    /// There is more than 32-bit numbers can tell apart.
+    #[error("obvhs: {0} primitives are more than it can number")]
+    TooMany(usize),
+}
+
+/// Geometry that rays can be traced against.
+#[derive(Debug)]
+pub struct Accel(Built);
+
+/// The search structure of one of the tracers.
+#[derive(Debug)]
+enum Built {
+    Embree(EmbreeAccel),
+    Obvhs(ObvhsAccel),
+}
+
+/// Asks whichever tracer is at work.
+macro_rules! forward {
+    ($self:ident, $accel:ident => $call:expr) => {
+        match &$self.0 {
+            Built::Embree($accel) => $call,
+            Built::Obvhs($accel) => $call,
+        }
+    };
+}
+
+impl Accel {
+    /// Builds the search structure.
+    ///
+    /// Hits on `geometries` have no instance; their geometry is the index in there. Hits on an
+    /// instance have the number of `geometries` plus the index in `instances` as their instance, and
+    /// the index in the group as their geometry.
+    ///
+    /// - `groups`: geometries that are not in the scene by themselves, each in a space of its own.
+    ///
+    /// # Errors
+    /// When the tracer cannot start, runs out of memory, or a buffer holds a vertex that is not finite
+    /// or an index out of range. Errors count `geometries`, then those of the groups, then `instances`.
+    pub fn build<G: IntoIterator<Item = Geometry>>(
+        engine: Engine,
+        geometries: impl IntoIterator<Item = Geometry>,
+        groups: impl IntoIterator<Item = G>,
+        instances: impl IntoIterator<Item = Instance>,
+    ) -> Result<Self, AccelError> {
+        Ok(Self(match engine {
+            Engine::Embree => Built::Embree(EmbreeAccel::build(geometries, groups, instances)?),
+            Engine::Obvhs => Built::Obvhs(ObvhsAccel::build(geometries, groups, instances)?),
+        }))
+    }
+
+    /// Which tracer this is.
+    pub fn engine(&self) -> Engine {
+        match &self.0 {
+            Built::Embree(_) => Engine::Embree,
+            Built::Obvhs(_) => Engine::Obvhs,
+        }
+    }
+
+    /// The closest hit.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        forward!(self, accel => accel.intersect(ray))
+    }
+
+    /// True when the ray hits anything.
+    #[inline]
+    pub fn is_occluded(&self, ray: &Ray) -> bool {
+        forward!(self, accel => accel.is_occluded(ray))
+    }
+
+    /// The closest hits of many rays, as [`Accel::intersect`] finds them, in less time.
+    ///
+    /// - `hits`: filled anew, one a ray.
+    #[inline]
+    pub fn intersect_all(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        forward!(self, accel => accel.intersect_all(rays, hits));
+    }
+
+    /// Whether each of many rays hits anything, as [`Accel::is_occluded`] says, in less time.
+    ///
+    /// - `occluded`: filled anew, one a ray.
+    #[inline]
+    pub fn are_occluded<'r>(
+        &self,
+        rays: impl IntoIterator<Item = &'r Ray>,
+        occluded: &mut Vec<bool>,
+    ) {
+        forward!(self, accel => accel.are_occluded(rays, occluded));
+    }
+
+    /// Lowest and highest corner of the box around everything; `None` when there is nothing.
+    pub fn bounding_box(&self) -> Option<(Vec3, Vec3)> {
+        forward!(self, accel => accel.bounding_box())
+    }
+}
+
+/// Sets the calling thread up for tracing: numbers too small to matter are flushed to zero.
+pub fn prepare_worker() {
+    embree4_sys::flush_denormals();
 }

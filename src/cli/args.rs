@@ -5,12 +5,14 @@
 )]
 
 mod bench;
+mod tracer;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(super) use bench::{BenchArgs, BenchEffort};
+pub(super) use tracer::{CrosscheckArgs, TracerArgs};
 
 use super::help;
 use crate::film::Window;
@@ -26,7 +28,7 @@ use crate::film::Window;
     max_term_width = 100
 )]
 pub(super) struct Cli {
-    /// Print the version, and those of Embree and OpenEXR
+    /// Print the version, and those of Embree, OpenEXR and obvhs
     #[arg(short = 'V', long)]
     pub(super) version: bool,
 
@@ -51,6 +53,9 @@ pub(super) enum Command {
     /// Race integrators against references: error, time, and efficiency over several seeds
     #[command(after_help = help::BENCH_EXAMPLES)]
     Bench(Box<BenchArgs>),
+    /// Trace a scene's rays with two tracers, and tell where they disagree
+    #[command(after_help = help::CROSSCHECK_EXAMPLES)]
+    Crosscheck(Box<CrosscheckArgs>),
 }
 
 impl Command {
@@ -62,6 +67,7 @@ impl Command {
             Self::Convert(_) => "convert",
             Self::Compare(_) => "compare",
             Self::Bench(_) => "bench",
+            Self::Crosscheck(_) => "crosscheck",
         }
     }
 }
@@ -112,6 +118,9 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(super) tracer: TracerArgs,
 
     #[command(flatten)]
     pub(super) effort: EffortArgs,
@@ -197,6 +206,9 @@ pub(super) struct InfoArgs {
 
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(super) tracer: TracerArgs,
 
     /// Print one line of JSON instead
     #[arg(long)]

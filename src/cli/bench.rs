@@ -45,7 +45,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8, Failure> {
         efforts,
         folder,
         interruption: &interruption,
-        about: about(threads),
+        about: about(threads, args),
         wanted,
     };
     let mut race = Race::new(rules, stages)?;
@@ -108,13 +108,14 @@ fn stages(
 }
 
 /// How the numbers are made.
-fn about(threads: usize) -> Vec<(String, String)> {
+fn about(threads: usize, args: &BenchArgs) -> Vec<(String, String)> {
     let words: Vec<String> = std::env::args().collect();
     [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("revision", version::REVISION.to_owned()),
         ("command", words.join(" ")),
         ("threads", threads.to_string()),
+        ("accel", args.tracer.engine().name().to_owned()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .to_vec()

@@ -7,7 +7,7 @@ use crate::scene::options::{OptionReader, Options};
 
 /// Below the list of commands.
 pub(super) const EXIT_CODES: &str = "\
-Exit codes: 0 done, 2 wrong use, 3 broken scene, 4 a file cannot be read or written, or a program
+Exit codes: 0 done, 1 crosscheck found a real disagreement, 2 wrong use, 3 broken scene, 4 a file cannot be read or written, or a program
 that bench races failed, 70 a bug of ours, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.";
 
 /// Below the short help of `render`.
@@ -52,6 +52,18 @@ Examples:
 
 Ctrl-C ends the render under way and prints what is complete; a second one ends at once. With -o, the
 same call goes on where it was interrupted.";
+
+/// Below the help of `crosscheck`.
+pub(super) const CROSSCHECK_EXAMPLES: &str = "\
+Aims rays of nine kinds at the scene's own geometry and asks Embree and the tree of obvhs for the
+closest hit and for any hit. Where they disagree, a referee in double precision says whether it is a
+tie, a silhouette, a limit of single precision, or real: an answer that cannot be right. The exit code is 1 when something real
+was found. docs/crosscheck.md says what is compared, and how closely.
+
+Examples:
+  lumiflow crosscheck cornell.xml --rays 1000000 --json
+  lumiflow crosscheck cornell.xml --replay 1042/edge
+  lumiflow crosscheck cornell.xml --ray 0,1,4,0,0,-1,0,inf";
 
 /// What the options of the integrators mean.
 const OPTIONS: &[(&str, &str)] = &[

@@ -35,7 +35,9 @@ struct Contents {
 /// A file that cannot be read, or a scene that cannot be rendered.
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let start = Instant::now();
-    let imported = args.scene.load(&args.file, args.json)?;
+    let imported = args
+        .scene
+        .load(&args.file, args.json, args.tracer.engine())?;
     let load_seconds = start.elapsed().as_secs_f64();
     let contents = Contents::of(&imported.scene, load_seconds)?;
     if args.json {
@@ -138,6 +140,7 @@ fn json_line(args: &InfoArgs, imported: &Imported, contents: &Contents) -> Value
         "lights": lights,
         "sensors": imported.views.iter().map(view).collect::<Vec<_>>(),
         "integrator": imported.integrator.name,
+        "accel": args.tracer.engine().name(),
         "memory_bytes": contents.memory,
         "load_s": contents.load_seconds,
         "build_s": contents.build_seconds,
@@ -175,6 +178,7 @@ fn table(args: &InfoArgs, imported: &Imported, contents: &Contents) -> String {
         name => name.to_owned(),
     };
     rows.push(("integrator", integrator));
+    rows.push(("accel", args.tracer.engine().name().to_owned()));
     let memory = contents.memory.map_or_else(
         || "unknown".to_owned(),
         |bytes| {

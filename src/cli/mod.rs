@@ -8,6 +8,7 @@ mod budget;
 mod compare;
 mod console;
 mod convert;
+mod crosscheck;
 mod execute;
 mod failure;
 mod help;
@@ -84,6 +85,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Convert(args) => convert::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args).map(|()| 0),
         Command::Bench(args) => bench::run(args),
+        Command::Crosscheck(args) => crosscheck::run(args),
     };
     finish(command.name(), result)
 }

@@ -43,9 +43,9 @@ impl Drop for Stop<'_> {
     }
 }
 
-/// How far a render has come.
+/// How far some work has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Status {
+pub(super) struct Status {
     /// Share of the work, or of the time, 0 to 1.
     share: f64,
     /// Millions of samples and of rays a second.
@@ -54,59 +54,67 @@ struct Status {
     left: Option<f64>,
 }
 
+/// Shows how far some work has come while it runs: a bar on a terminal, a line every ten seconds
+/// elsewhere.
+///
+/// - `name`: what stands before it.
+/// - `status`: how far it has come.
+pub(super) fn watch<R>(
+    name: &str,
+    status: impl Fn() -> Status + Sync,
+    work: impl FnOnce() -> R,
+) -> R {
+    let flag = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let watcher = scope.spawn(|| {
+            if std::io::stderr().is_terminal() {
+                draw_bar(name, &status, &flag);
+            } else {
+                print_lines(name, &status, &flag);
+            }
+        });
+        let _stop = Stop {
+            flag: &flag,
+            watcher: watcher.thread().clone(),
+        };
+        work()
+    })
+}
+
+fn draw_bar(name: &str, status: &dyn Fn() -> Status, stopped: &AtomicBool) {
+    const STEPS: f64 = 1000.0;
+    let bar = ProgressBar::new(STEPS as u64).with_prefix(name.to_owned());
+    if let Ok(style) = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %  {msg}") {
+        bar.set_style(style);
+    }
+    while !stopped.load(SeqCst) {
+        let status = status();
+        bar.set_position((status.share * STEPS) as u64);
+        bar.set_message(status.to_string());
+        thread::park_timeout(BAR_INTERVAL);
+    }
+    bar.finish_and_clear();
+}
+
+fn print_lines(name: &str, status: &dyn Fn() -> Status, stopped: &AtomicBool) {
+    let mut next = Instant::now() + LINE_INTERVAL;
+    loop {
+        thread::park_timeout(next.saturating_duration_since(Instant::now()));
+        if stopped.load(SeqCst) {
+            return;
+        }
+        if Instant::now() >= next {
+            let status = status();
+            say(&format!("{name}: {:.0} %, {status}", 100.0 * status.share));
+            next += LINE_INTERVAL;
+        }
+    }
+}
+
 impl Monitor<'_> {
     /// Shows the progress while `work` runs.
     pub(super) fn during<R>(&self, work: impl FnOnce() -> R) -> R {
-        let flag = AtomicBool::new(false);
-        thread::scope(|scope| {
-            let watcher = scope.spawn(|| {
-                if std::io::stderr().is_terminal() {
-                    self.draw_bar(&flag);
-                } else {
-                    self.print_lines(&flag);
-                }
-            });
-            let _stop = Stop {
-                flag: &flag,
-                watcher: watcher.thread().clone(),
-            };
-            work()
-        })
-    }
-
-    fn draw_bar(&self, stopped: &AtomicBool) {
-        const STEPS: f64 = 1000.0;
-        let bar = ProgressBar::new(STEPS as u64).with_prefix(self.name.to_owned());
-        if let Ok(style) = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %  {msg}")
-        {
-            bar.set_style(style);
-        }
-        while !stopped.load(SeqCst) {
-            let status = self.status(self.start.elapsed());
-            bar.set_position((status.share * STEPS) as u64);
-            bar.set_message(status.to_string());
-            thread::park_timeout(BAR_INTERVAL);
-        }
-        bar.finish_and_clear();
-    }
-
-    fn print_lines(&self, stopped: &AtomicBool) {
-        let mut next = Instant::now() + LINE_INTERVAL;
-        loop {
-            thread::park_timeout(next.saturating_duration_since(Instant::now()));
-            if stopped.load(SeqCst) {
-                return;
-            }
-            if Instant::now() >= next {
-                let status = self.status(self.start.elapsed());
-                say(&format!(
-                    "{}: {:.0} %, {status}",
-                    self.name,
-                    100.0 * status.share
-                ));
-                next += LINE_INTERVAL;
-            }
-        }
+        watch(self.name, || self.status(self.start.elapsed()), work)
     }
 
     fn status(&self, elapsed: Duration) -> Status {
@@ -135,6 +143,21 @@ impl Monitor<'_> {
             rates: self
                 .work
                 .map(|(_, progress)| (per_second(progress.paths()), per_second(progress.rays()))),
+            left,
+        }
+    }
+}
+
+impl Status {
+    /// Of work that has no rates to tell.
+    ///
+    /// - `start`: when it began.
+    /// - `share`: of it that is done, 0 to 1.
+    pub(super) fn of_share(start: Instant, share: f64) -> Self {
+        let (share, left) = by_share(start.elapsed().as_secs_f64(), share);
+        Self {
+            share,
+            rates: None,
             left,
         }
     }

@@ -71,7 +71,9 @@ impl Session<'_> {
     fn render(&self, target: &Target) -> Result<(), Failure> {
         let args = self.args;
         let loading = Instant::now();
-        let mut imported = args.scene.load(&target.scene, args.quiet)?;
+        let mut imported = args
+            .scene
+            .load(&target.scene, args.quiet, args.tracer.engine())?;
         let load_seconds = loading.elapsed().as_secs_f64();
         let warnings = std::mem::take(&mut imported.warnings);
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);

@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::args::SceneArgs;
 use super::failure::Failure;
+use crate::accel::Engine;
 use crate::scene::import::xml::{ReadOptions, Strictness};
 use crate::scene::import::{ImportOptions, Imported, Progress, import};
 
@@ -22,10 +23,16 @@ impl SceneArgs {
     /// Reads a scene.
     ///
     /// - `quiet`: no bar on the terminal.
+    /// - `engine`: what traces its rays.
     ///
     /// # Errors
     /// A file that cannot be read, or a scene that cannot be rendered.
-    pub(super) fn load(&self, file: &Path, quiet: bool) -> Result<Imported, Failure> {
+    pub(super) fn load(
+        &self,
+        file: &Path,
+        quiet: bool,
+        engine: Engine,
+    ) -> Result<Imported, Failure> {
         let options = ImportOptions {
             read: ReadOptions {
                 definitions: self.definitions.clone(),
@@ -33,6 +40,7 @@ impl SceneArgs {
                 strictness: self.strictness(),
             },
             film_size: self.size,
+            engine,
             progress: if quiet { Progress::default() } else { bar() },
         };
         Ok(import(file, &options)?)

@@ -19,9 +19,10 @@ pub(super) fn long() -> Result<String, Failure> {
     let (headers, library) = accel::versions().map_err(|error| Failure::File(error.to_string()))?;
     Ok(format!(
         "lumiflow {}\nEmbree {library} (built with headers {headers})\nOpenEXR {} (built with \
-         headers {})",
+         headers {})\nobvhs {}",
         own(),
         image::exr_version(),
         env!("LUMIFLOW_OPENEXR_HEADERS"),
+        accel::OBVHS_VERSION,
     ))
 }

@@ -20,6 +20,8 @@ pub struct Record {
     pub integrator: String,
     /// Its options with their values, defaults included.
     pub options: Vec<(String, String)>,
+    /// Name of the tracer.
+    pub accel: String,
     /// Name of the sampler.
     pub sampler: String,
     /// Name of the reconstruction filter.
@@ -112,6 +114,7 @@ pub fn metadata(record: &Record, revision: &str) -> BTreeMap<String, AttributeVa
         ("scene_hash", text(&format!("{:016x}", record.scene_hash))),
         ("integrator", text(&record.integrator)),
         ("options", text(&record.options_text())),
+        ("accel", text(&record.accel)),
         ("sampler", text(&record.sampler)),
         ("filter", text(&record.filter)),
         ("seed", text(&record.seed)),
@@ -158,6 +161,7 @@ mod tests {
             scene: "box".to_owned(),
             scene_hash: 0xabc,
             integrator: "path".to_owned(),
+            accel: "embree".to_owned(),
             options: vec![
                 ("max_depth".to_owned(), "-1".to_owned()),
                 ("mis".to_owned(), "power".to_owned()),

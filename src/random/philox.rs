@@ -26,6 +26,8 @@ pub enum Purpose {
     Elimination = 9,
     /// Paths that start at a light.
     Light = 10,
+    /// Rays that two tracers are compared on.
+    Crosscheck = 11,
     /// Samples from which the seeds of Metropolis sampling are drawn.
     Bootstrap = 16,
     /// Which of them become seeds.

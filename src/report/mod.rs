@@ -3,6 +3,7 @@
 
 mod bench;
 mod compare;
+pub mod crosscheck;
 mod flip;
 mod heat;
 mod pixels;

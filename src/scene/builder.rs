@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{BsdfId, EmitterId, Group, GroupId, Instance, Lights, Object, Scene, build_accel};
-use crate::accel::AccelError;
+use crate::accel::{AccelError, Engine};
 use crate::bsdf::{Bsdf, BsdfModel};
 use crate::emitter::{Area, Emitter, EmitterModel, SceneBounds};
 use crate::math::{Mat4, Vec3};
@@ -18,6 +18,7 @@ pub struct SceneBuilder {
     instances: Vec<Instance>,
     bsdfs: Vec<Bsdf>,
     emitters: Vec<Emitter>,
+    engine: Engine,
 }
 
 /// Why a scene could not be built.
@@ -36,6 +37,11 @@ impl SceneBuilder {
     /// Starts an empty scene.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Lets another tracer than Embree find what rays meet.
+    pub fn trace_with(&mut self, engine: Engine) {
+        self.engine = engine;
     }
 
     /// Adds a material.
@@ -113,6 +119,7 @@ impl SceneBuilder {
             instances,
             bsdfs,
             mut emitters,
+            engine,
         } = self;
         let in_world = objects.len() as u32;
         let groups = groups.into_iter().map(|members| {
@@ -121,7 +128,7 @@ impl SceneBuilder {
             Group { first, count }
         });
         let groups: Vec<Group> = groups.collect();
-        let accel = build_accel(&objects, in_world, &groups, &instances)?;
+        let accel = build_accel(engine, &objects, in_world, &groups, &instances)?;
         let bounds = bounding_sphere(accel.bounding_box());
         for emitter in &mut emitters {
             emitter.set_scene_bounds(bounds);

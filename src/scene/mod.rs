@@ -12,7 +12,7 @@ pub use lights::{ChosenRay, ChosenSample, Lights};
 
 use std::sync::Arc;
 
-use crate::accel::{self, Accel, AccelError, Geometry, Hit, Ray};
+use crate::accel::{self, Accel, AccelError, Engine, Geometry, Hit, Ray};
 use crate::bsdf::{Bsdf, LobeSet};
 use crate::emitter::SceneBounds;
 use crate::math::Vec3;
@@ -80,6 +80,16 @@ impl Scene {
     /// of the groups.
     pub fn objects(&self) -> &[Object] {
         &self.objects
+    }
+
+    /// The objects that stand in the world by themselves.
+    pub fn objects_in_world(&self) -> &[Object] {
+        &self.objects[..self.in_world as usize]
+    }
+
+    /// The objects of each group, in the order of the file.
+    pub fn groups(&self) -> impl Iterator<Item = &[Object]> {
+        self.groups.iter().map(|group| &self.objects[group.range()])
     }
 
     /// The instances, in the order of the file.
@@ -156,7 +166,9 @@ impl Scene {
     /// # Errors
     /// When the tracer runs out of memory.
     pub fn build_anew(&self) -> Result<Accel, AccelError> {
-        build_accel(&self.objects, self.in_world, &self.groups, &self.instances)
+        let engine = self.accel.engine();
+        let (objects, instances) = (&self.objects, &self.instances);
+        build_accel(engine, objects, self.in_world, &self.groups, instances)
     }
 
     /// True when nothing stands between two points.
@@ -182,6 +194,7 @@ impl Group {
 
 /// Builds the search structure of what stands in the world and of all instances.
 fn build_accel(
+    engine: Engine,
     objects: &[Object],
     in_world: u32,
     groups: &[Group],
@@ -197,5 +210,6 @@ fn build_accel(
         group: instance.group.0,
         to_world: instance.placement.to_world(),
     });
-    Accel::build(geometries(&objects[..in_world as usize]), groups, instances)
+    let in_world = geometries(&objects[..in_world as usize]);
+    Accel::build(engine, in_world, groups, instances)
 }

@@ -29,8 +29,11 @@ impl Kind {
     }
 }
 
-/// The sphere around `center` with `radius`, both in scene units.
-pub(crate) fn sphere(center: [f32; 3], radius: f32) -> Result<ShimShape, Error> {
+/// Finds what makes a sphere unusable.
+///
+/// # Errors
+/// As [`crate::SceneBuilder::add_sphere`].
+pub fn check_sphere(center: [f32; 3], radius: f32) -> Result<(), Error> {
     let bad = |parameter, value| {
         Err(Error::BadShape {
             what: "a sphere",
@@ -50,6 +53,23 @@ pub(crate) fn sphere(center: [f32; 3], radius: f32) -> Result<ShimShape, Error> 
     {
         return bad("centre", format!("{center:?}; it must be finite"));
     }
+    Ok(())
+}
+
+/// Finds what makes an affine map unusable.
+///
+/// - `what`: what it places, as in "a disk".
+/// - `to_world`: by rows; the last column is the translation.
+///
+/// # Errors
+/// As [`crate::SceneBuilder::add_instance`].
+pub fn check_map(what: &'static str, to_world: &[[f32; 4]; 3]) -> Result<(), Error> {
+    check_invertible(what, to_world).map(drop)
+}
+
+/// The sphere around `center` with `radius`, both in scene units.
+pub(crate) fn sphere(center: [f32; 3], radius: f32) -> Result<ShimShape, Error> {
+    check_sphere(center, radius)?;
     let origin = center.map(f64::from);
     let radius = f64::from(radius);
     let (lower, upper) = outward_box(origin.map(|middle| (middle - radius, middle + radius)));

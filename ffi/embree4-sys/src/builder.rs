@@ -313,7 +313,10 @@ impl SceneBuilder {
 }
 
 /// Finds what Embree would read out of bounds or leave out silently.
-fn check_triangles(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), Error> {
+///
+/// # Errors
+/// As [`SceneBuilder::add_triangles`].
+pub fn check_triangles(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), Error> {
     for (what, count) in [("vertices", vertices.len()), ("triangles", triangles.len())] {
         if u32::try_from(count).is_err() {
             return Err(Error::TooMany { what, count });

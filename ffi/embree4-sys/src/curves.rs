@@ -26,7 +26,10 @@ impl CurveBasis {
     }
 
     /// Finds what Embree would read out of bounds or leave out silently.
-    pub(crate) fn check(self, curves: &CurveBuffer) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// As [`SceneBuilder::add_curves`].
+    pub fn check(self, curves: &CurveBuffer) -> Result<(), Error> {
         let (points, segments) = (curves.points(), curves.segments());
         for (what, count) in [
             ("control points", points.len()),

@@ -56,8 +56,9 @@ mod bindings {
     include!(concat!(env!("OUT_DIR"), "/bindings.rs"));
 }
 
+pub use analytic::{check_map, check_sphere};
 pub use buffers::{CurveBuffer, IndexBuffer, VertexBuffer};
-pub use builder::{BuildOptions, BuildQuality, GeometryId, SceneBuilder};
+pub use builder::{BuildOptions, BuildQuality, GeometryId, SceneBuilder, check_triangles};
 pub use curves::CurveBasis;
 pub use denormals::flush_denormals;
 pub use device::{Device, Version, Versions};

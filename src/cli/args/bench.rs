@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Crop, SceneArgs, count, crop, key_value, seconds, stops};
+use super::{Crop, SceneArgs, TracerArgs, count, crop, key_value, seconds, stops};
 
 /// `lumiflow bench`.
 #[derive(Debug, Args)]
@@ -76,6 +76,9 @@ pub(in crate::cli) struct BenchArgs {
 
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(in crate::cli) tracer: TracerArgs,
 
     /// Folder for tables, plots, crops and images; renders whose records are there already, of the
     /// same options, are not made again

@@ -143,7 +143,7 @@ impl Stage {
 
 /// Reads a scene; its wishes for further layers would cost time that is not the integrators'.
 fn load(course: &Course, args: &BenchArgs) -> Result<Imported, Failure> {
-    let mut imported = args.scene.load(&course.scene, true)?;
+    let mut imported = args.scene.load(&course.scene, true, args.tracer.engine())?;
     imported.integrator.aovs.clear();
     imported.integrator.second_moment = false;
     Ok(imported)
@@ -215,6 +215,7 @@ fn shared_key(
         ),
         ("size", json!([size.0, size.1])),
         ("threads", json!(args.threads)),
+        ("accel", json!(args.tracer.engine().name())),
         ("reference", json!(hash(&course.reference)?)),
         ("reference_variance", json!(optional(&course.variance)?)),
         ("mask", json!(optional(&course.mask)?)),

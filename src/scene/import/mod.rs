@@ -21,7 +21,7 @@ use std::path::Path;
 
 use super::options::Options;
 use super::{BuildError, Scene};
-use crate::accel::AccelError;
+use crate::accel::{AccelError, Engine};
 use crate::film::{Filter, Window};
 use crate::random::SamplerKind;
 use crate::sensor::Sensor;
@@ -37,6 +37,8 @@ pub struct ImportOptions {
     pub read: xml::ReadOptions,
     /// Replaces width and height of every film, in pixels.
     pub film_size: Option<(u32, u32)>,
+    /// The tracer that finds what rays meet.
+    pub engine: Engine,
     /// Who is told of files that have been read.
     pub progress: Progress,
 }
@@ -157,6 +159,7 @@ impl Loader<'_> {
         // A file that could not be read to its end lacks things that it may well have.
         let is_whole = !self.problems.has_errors();
         let mut reader = self.reader(root);
+        self.builder.trace_with(options.engine);
         self.take_tree_into_hash(options);
         // Materials that no shape uses are read, too: their problems count.
         for bsdf in reader.children(ElementKind::Bsdf) {

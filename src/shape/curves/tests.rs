@@ -107,7 +107,7 @@ fn derivatives_and_normals_are_those_of_differences() {
 /// Rays from outside against the tracer's rivals in `brute_force`.
 #[test]
 fn hits_lie_on_the_surface() {
-    use crate::accel::{Accel, Ray};
+    use crate::accel::{Accel, Engine, Ray};
     use crate::shape::Shape;
     use crate::shape::brute_force::crossings;
     for basis in [CurveBasis::Linear, CurveBasis::BSpline] {
@@ -117,7 +117,7 @@ fn hits_lie_on_the_surface() {
             .collect();
         let curves = Curves::new(basis, &[points], Mat4::from_rotation_z(0.4)).unwrap();
         let none: [Vec<Geometry>; 0] = [];
-        let accel = Accel::build([curves.geometry()], none, []).unwrap();
+        let accel = Accel::build(Engine::Embree, [curves.geometry()], none, []).unwrap();
         for x in [-0.3_f32, -0.1, 0.15, 0.3] {
             let from = Vec3::new(x, 0.1, 3.0);
             let direction = Vec3::new(0.02, -0.03 - 0.1 * x, -1.0).normalize();

@@ -91,6 +91,7 @@ impl<'o> Model<'o> {
             hash: Xxh3::new(),
             source: Arc::new(source),
         };
+        model.builder.trace_with(options.engine);
         model.take_into_hash(&bytes);
         model.take_into_hash(format!("{:?}", options.film_size).as_bytes());
         for (name, _) in &options.read.definitions {
