@@ -277,10 +277,10 @@ impl Exact {
         }
     }
 
-    /// The largest coordinate of it as seen from a point.
+    /// How far the farthest corner of the box around it is from a point.
     pub(super) fn reach(&self, from: DVec3) -> f64 {
         let [low, high] = self.bounds();
-        (low - from).abs().max((high - from).abs()).max_element()
+        (low - from).abs().max((high - from).abs()).length()
     }
 
     /// The axis of a curve's segment.

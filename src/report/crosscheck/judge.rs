@@ -107,7 +107,8 @@ impl Referee<'_> {
         })
     }
 
-    /// The largest tolerance in the world of what a ray crosses within its interval.
+    /// The largest tolerance in the world of what a ray crosses within its interval; where that is
+    /// nothing, the tolerance of all that there is.
     pub(super) fn aside(&self, ray: &Ray) -> f64 {
         let (near, far) = (f64::from(ray.near()), f64::from(ray.far()));
         let mut aside = 0.0_f64;
@@ -120,7 +121,13 @@ impl Referee<'_> {
             }
             false
         });
-        aside
+        if aside > 0.0 {
+            return aside;
+        }
+        let [low, high] = self.bounds();
+        let origin = ray.origin().as_dvec3();
+        let reach = (low - origin).abs().max((high - origin).abs()).length();
+        ROUNDINGS * ROUNDING * reach
     }
 }
 
@@ -147,7 +154,7 @@ fn tolerance_of(
     line: &Line,
     place: Option<&Place>,
 ) -> Tolerance {
-    let travelled = line.direction.abs().max_element() * distance.abs();
+    let travelled = line.direction.length() * distance.abs();
     let products = place.map_or(0.0, |place| place.products(ray, distance.abs()));
     let size = exact.reach(line.origin).max(travelled) + products;
     let is_spline = matches!(exact, Exact::Round(round) if round.is_spline());

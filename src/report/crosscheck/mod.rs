@@ -119,9 +119,19 @@ impl<'a> Crosscheck<'a> {
 
     /// All about one ray: what the tracers and the referee say, and what is made of it.
     pub fn replay(&self, ray: &Ray) -> (Answers, Vec<(Query, Class, Right)>) {
+        // As packets, like the rays of a check: at the ends of an interval, single rays may differ.
+        let engines = [self.embree, self.obvhs];
         let answers = Answers {
-            closest: [self.embree.intersect(ray), self.obvhs.intersect(ray)],
-            occluded: [self.embree.is_occluded(ray), self.obvhs.is_occluded(ray)],
+            closest: engines.map(|accel| {
+                let mut hits = Vec::new();
+                accel.intersect_all(std::slice::from_ref(ray), &mut hits);
+                hits[0]
+            }),
+            occluded: engines.map(|accel| {
+                let mut occluded = Vec::new();
+                accel.are_occluded([ray], &mut occluded);
+                occluded[0]
+            }),
             referee: self.referee.closest(ray),
         };
         let found = self.comparison().compare(ray, &answers);

@@ -121,6 +121,6 @@ impl Place {
         let absolute = |m: &DMat3| DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
         let travelled = ray.direction().as_dvec3().abs() * distance;
         let size = ray.origin().as_dvec3().abs() + self.origin.abs() + travelled;
-        (absolute(&self.inverse) * size).max_element()
+        (absolute(&self.inverse) * size).length()
     }
 }
