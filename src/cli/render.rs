@@ -71,9 +71,8 @@ impl Session<'_> {
     fn render(&self, target: &Target) -> Result<(), Failure> {
         let args = self.args;
         let loading = Instant::now();
-        let mut imported = args
-            .scene
-            .load(&target.scene, args.quiet, args.tracer.engine())?;
+        let engine = args.tracer.engine();
+        let mut imported = args.scene.load(&target.scene, args.quiet, engine)?;
         let load_seconds = loading.elapsed().as_secs_f64();
         let warnings = std::mem::take(&mut imported.warnings);
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);
@@ -124,8 +123,11 @@ impl Session<'_> {
         }
         if args.json {
             let interrupted = self.interruption.exit_code().is_some();
-            let json = record.json(&notes, &image, load_seconds, interrupted);
-            print_line(&json.to_string())?;
+            print_line(
+                &record
+                    .json(&notes, &image, load_seconds, interrupted)
+                    .to_string(),
+            )?;
         }
         Ok(())
     }

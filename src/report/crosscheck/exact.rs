@@ -199,11 +199,19 @@ impl Exact {
     /// longest side by the least height; 1 elsewhere.
     pub(super) fn stretch(&self) -> f64 {
         match self {
+            Self::Triangle(_) => self.longest() / self.width(),
+            _ => 1.0,
+        }
+    }
+
+    /// The longest side of a triangle; zero elsewhere.
+    pub(super) fn longest(&self) -> f64 {
+        match self {
             Self::Triangle(corners) => {
                 let sides = [0, 1, 2].map(|i| corners[i].distance(corners[(i + 1) % 3]));
-                sides.into_iter().fold(0.0, f64::max) / self.width()
+                sides.into_iter().fold(0.0, f64::max)
             }
-            _ => 1.0,
+            _ => 0.0,
         }
     }
 

@@ -165,10 +165,12 @@ fn tolerance_of(
     // What is uncertain of the normal of a sliver is uncertain of the cosine.
     let doubt = (4.0 * own / exact.width()).min(1.0);
     let cosine = (normal.dot(line.direction) / speed).abs() - doubt;
+    // The normal is the cross product of two edges, whose rounding tilts the plane along the longest.
+    let tilt = ROUNDINGS * ROUNDING * exact.longest() * exact.stretch();
     // A ray that runs within a surface has no distance to speak of: it may be met anywhere on it.
     let longest = exact.longest_graze(own);
     let along = if cosine > 0.0 {
-        (own / cosine).min(longest)
+        ((own + tilt) / cosine).min(longest)
     } else {
         longest
     };
