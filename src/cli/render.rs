@@ -69,8 +69,7 @@ struct Session<'a> {
 impl Session<'_> {
     /// Renders one scene and writes its files.
     fn render(&self, target: &Target) -> Result<(), Failure> {
-        let args = self.args;
-        let loading = Instant::now();
+        let (args, loading) = (self.args, Instant::now());
         let engine = args.tracer.engine();
         let mut imported = args.scene.load(&target.scene, args.quiet, engine)?;
         let load_seconds = loading.elapsed().as_secs_f64();
@@ -123,11 +122,8 @@ impl Session<'_> {
         }
         if args.json {
             let interrupted = self.interruption.exit_code().is_some();
-            print_line(
-                &record
-                    .json(&notes, &image, load_seconds, interrupted)
-                    .to_string(),
-            )?;
+            let json = record.json(&notes, &image, load_seconds, interrupted);
+            print_line(&json.to_string())?;
         }
         Ok(())
     }

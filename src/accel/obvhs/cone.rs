@@ -114,6 +114,9 @@ fn lowest([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     best.unwrap_or(middle)
 }
 
+/// The end of a segment, less what searches leave.
+const END: f64 = 1.0 - 1e-9;
+
 /// Whether what lies on the sphere at a place of a segment is no surface: inside of a neighbour, or on
 /// the sphere that is shared with the next one, to which it belongs.
 fn is_covered(curves: &CurveBuffer, segment: usize, place: f64, point: DVec3) -> bool {
@@ -127,7 +130,7 @@ fn is_covered(curves: &CurveBuffer, segment: usize, place: f64, point: DVec3) ->
         second < segments.len() && segments[first] + 1 == segments[second]
     };
     (segment > 0 && follows(segment - 1, segment) && is_inside(segment - 1))
-        || (follows(segment, segment + 1) && (place >= 1.0 || is_inside(segment + 1)))
+        || (follows(segment, segment + 1) && (place >= END || is_inside(segment + 1)))
 }
 
 /// Where a line crosses the hull of a segment.

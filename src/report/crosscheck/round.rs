@@ -25,6 +25,8 @@ pub(super) struct Round {
     pub(super) axis: Axis,
     /// Segments that share the surface's ends: what lies inside of them is no surface.
     neighbours: Vec<Axis>,
+    /// Whether the sphere at the end is that of the next segment.
+    shares_end: bool,
 }
 
 impl Axis {
@@ -64,7 +66,7 @@ impl Axis {
         let best = places.min_by(|a, b| depth(*a).total_cmp(&depth(*b)));
         let best = best.unwrap_or(0.0);
         let (mut low, mut high) = ((best - step).max(0.0), (best + step).min(1.0));
-        for _ in 0..40 {
+        for _ in 0..60 {
             let third = (high - low) / 3.0;
             if depth(low + third) < depth(high - third) {
                 high -= third;
@@ -89,6 +91,7 @@ impl Round {
                 points: vec![[x, y, z, radius]],
             },
             neighbours: Vec::new(),
+            shares_end: false,
         }
     }
 
@@ -103,18 +106,20 @@ impl Round {
         };
         let segments = curves.segments();
         let follows = |a: usize, b: usize| segments.get(b) == Some(&(segments[a] + 1));
-        let mut neighbours = Vec::new();
+        let (mut neighbours, mut shares_end) = (Vec::new(), false);
         if basis == CurveBasis::Linear {
             if segment > 0 && follows(segment - 1, segment) {
                 neighbours.push(axis(segment - 1));
             }
             if follows(segment, segment + 1) {
                 neighbours.push(axis(segment + 1));
+                shares_end = true;
             }
         }
         Self {
             axis: axis(segment),
             neighbours,
+            shares_end,
         }
     }
 
@@ -179,7 +184,8 @@ impl Round {
                 .any(|other| other.depth(point) < -1e-6 * self.width());
             let place = self.axis.nearest(point);
             let is_open = self.is_spline() && !(1e-9..=1.0 - 1e-9).contains(&place);
-            if !is_covered && !is_open {
+            let is_next = self.shares_end && place > 1.0 - 1e-9;
+            if !is_covered && !is_open && !is_next {
                 tell((nearest + way) / speed);
             }
         };
