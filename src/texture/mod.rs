@@ -60,10 +60,22 @@ macro_rules! texture_models {
             }
         })*
 
-        impl TextureModel for Texture {
-            #[inline]
-            fn colour(&self, uv: Vec2) -> Rgb {
+        impl Texture {
+            #[inline(never)]
+            fn varying_colour(&self, uv: Vec2) -> Rgb {
                 match self { $(Self::$model(t) => t.colour(uv),)* }
+            }
+        }
+
+        impl TextureModel for Texture {
+            /// Most textures of a scene are constant: their code goes right where it is asked for.
+            #[inline(always)]
+            fn colour(&self, uv: Vec2) -> Rgb {
+                if let Self::Constant(texture) = self {
+                    texture.colour(uv)
+                } else {
+                    self.varying_colour(uv)
+                }
             }
             #[inline]
             fn value(&self, uv: Vec2) -> f32 {
