@@ -3,11 +3,14 @@
 use crate::math::Vec3;
 
 /// A half line, or a piece of a line.
+///
+/// Its numbers lie in memory as those of the tracer's rays do.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     origin: Vec3,
-    direction: Vec3,
     near: f32,
+    direction: Vec3,
     far: f32,
 }
 

@@ -77,6 +77,10 @@ impl SurfacePoint {
     #[inline(always)]
     pub fn shading_frame(&self) -> Frame {
         let frame = Frame::around(self.shading_normal);
+        // Most points: what is not asked for is not there.
+        if self.derivatives.by_u == Vec2::ZERO {
+            return frame;
+        }
         let Some(along) = self.derivatives.by_u.try_normalize() else {
             return frame;
         };

@@ -1,6 +1,7 @@
 //! Many rays, traced eight at a time.
 
 use crate::bindings::{self, RTCRay8, RTCRayHit8};
+use crate::buffers::VertexBuffer;
 use crate::scene::{CommittedScene, Hit, INVALID_ID, Ray, is_traceable};
 
 /// Rays in a packet.
@@ -84,17 +85,17 @@ fn trace_all<Q>(
 ) {
     let mut rays = rays.into_iter();
     packet(query).mask = [u32::MAX; LANES];
+    let mut batch = [UNUSED; LANES];
     loop {
-        let (mut valid, mut count) = (Valid::default(), 0);
-        let lanes = packet(query);
-        for ray in rays.by_ref().take(LANES) {
-            if is_traceable(&ray) {
-                set(lanes, count, &ray);
-                valid.0[count] = -1;
-            }
+        let mut count = 0;
+        for (place, ray) in batch.iter_mut().zip(rays.by_ref()) {
+            *place = ray;
             count += 1;
         }
         if count > 0 {
+            let lanes = packet(query);
+            set(lanes, &batch);
+            let valid = traceable(lanes, &batch, count);
             trace(query, &valid, count);
         }
         if count < LANES {
@@ -103,12 +104,117 @@ fn trace_all<Q>(
     }
 }
 
+/// Stands in lanes that have had no ray.
+const UNUSED: Ray = Ray {
+    origin: [0.0; 3],
+    near: 0.0,
+    direction: [0.0, 0.0, 1.0],
+    far: 0.0,
+};
+
+/// Which of the first `count` rays are traceable, by [`is_traceable`].
+///
+/// - `lanes`: holds the rays of `batch`.
 #[inline(always)]
-fn set(rays: &mut RTCRay8, lane: usize, ray: &Ray) {
-    [rays.org_x[lane], rays.org_y[lane], rays.org_z[lane]] = ray.origin;
-    [rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]] = ray.direction;
-    rays.tnear[lane] = ray.near;
-    rays.tfar[lane] = ray.far;
+fn traceable(lanes: &RTCRay8, batch: &[Ray; LANES], count: usize) -> Valid {
+    // Lane by lane in each step, so that the compiler looks at several at once.
+    let mut sums = [0.0; LANES];
+    for numbers in [&lanes.org_x, &lanes.org_y, &lanes.org_z] {
+        add_sizes(&mut sums, numbers);
+    }
+    for numbers in [&lanes.dir_x, &lanes.dir_y, &lanes.dir_z] {
+        add_sizes(&mut sums, numbers);
+    }
+    let mut valid = Valid::default();
+    let mut all = -1;
+    for lane in 0..LANES {
+        let (near, far) = (lanes.tnear[lane], lanes.tfar[lane]);
+        let is_whole = (sums[lane] <= VertexBuffer::LARGEST) & (near >= 0.0) & (near <= far);
+        let is_used = USED[count][lane];
+        valid.0[lane] = is_used & -i32::from(is_whole);
+        all &= valid.0[lane] | !is_used;
+    }
+    if all == 0 {
+        recheck(&mut valid, batch, count);
+    }
+    valid
+}
+
+/// Row by number of rays: -1 for lanes that have one.
+const USED: [[i32; LANES]; LANES + 1] = {
+    let mut rows = [[0; LANES]; LANES + 1];
+    let mut place = 0;
+    while place < LANES * LANES {
+        let (count, lane) = (1 + place / LANES, place % LANES);
+        if lane < count {
+            rows[count][lane] = -1;
+        }
+        place += 1;
+    }
+    rows
+};
+
+#[inline(always)]
+fn add_sizes(sums: &mut [f32; LANES], numbers: &[f32; LANES]) {
+    for (sum, number) in sums.iter_mut().zip(numbers) {
+        *sum += number.abs();
+    }
+}
+
+/// The whole test, where the sum of coordinates was too large for the short one.
+#[cold]
+fn recheck(valid: &mut Valid, batch: &[Ray; LANES], count: usize) {
+    for (valid, ray) in valid.0.iter_mut().zip(batch).take(count) {
+        *valid = -i32::from(is_traceable(ray));
+    }
+}
+
+/// Writes rays into the lanes of a packet.
+#[inline(always)]
+fn set(lanes: &mut RTCRay8, batch: &[Ray; LANES]) {
+    for (half, rays) in batch.chunks_exact(4).enumerate() {
+        let lanes_of = |numbers: &mut [f32; LANES], row: [f32; 4]| {
+            numbers[half * 4..half * 4 + 4].copy_from_slice(&row);
+        };
+        let [x, y, z, near] = transpose([0, 1, 2, 3].map(|i| rays[i].start()));
+        lanes_of(&mut lanes.org_x, x);
+        lanes_of(&mut lanes.org_y, y);
+        lanes_of(&mut lanes.org_z, z);
+        lanes_of(&mut lanes.tnear, near);
+        let [x, y, z, far] = transpose([0, 1, 2, 3].map(|i| rays[i].way()));
+        lanes_of(&mut lanes.dir_x, x);
+        lanes_of(&mut lanes.dir_y, y);
+        lanes_of(&mut lanes.dir_z, z);
+        lanes_of(&mut lanes.tfar, far);
+    }
+}
+
+/// Rows become columns.
+#[inline(always)]
+#[cfg(target_arch = "x86_64")]
+fn transpose(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+    use std::arch::x86_64::{
+        _mm_loadu_ps, _mm_movehl_ps, _mm_movelh_ps, _mm_storeu_ps, _mm_unpackhi_ps, _mm_unpacklo_ps,
+    };
+    let mut columns = [[0.0; 4]; 4];
+    // SAFETY: every x86-64 processor has SSE; each pointer is to four numbers of our own.
+    unsafe {
+        let [a, b, c, d] = rows.each_ref().map(|row| _mm_loadu_ps(row.as_ptr()));
+        let (ab, ab_high) = (_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
+        let (cd, cd_high) = (_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
+        _mm_storeu_ps(columns[0].as_mut_ptr(), _mm_movelh_ps(ab, cd));
+        _mm_storeu_ps(columns[1].as_mut_ptr(), _mm_movehl_ps(cd, ab));
+        _mm_storeu_ps(columns[2].as_mut_ptr(), _mm_movelh_ps(ab_high, cd_high));
+        _mm_storeu_ps(columns[3].as_mut_ptr(), _mm_movehl_ps(cd_high, ab_high));
+    }
+    columns
+}
+
+/// Rows become columns.
+#[inline(always)]
+#[cfg(not(target_arch = "x86_64"))]
+fn transpose(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+    std::array::from_fn(|column| rows.map(|row| row[column]))
 }
 
 #[inline(always)]

@@ -32,15 +32,32 @@ pub(crate) const INVALID_ID: u32 = u32::MAX;
 /// (not-a-number, infinite other than `far`, coordinates beyond [`VertexBuffer::LARGEST`], negative
 /// `near`) or with `near` above `far` misses.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Where distances are counted from, in scene units.
     pub origin: [f32; 3],
-    /// Any length; distances count in multiples of it.
-    pub direction: [f32; 3],
     /// Hits before this distance do not count. At least 0.
     pub near: f32,
+    /// Any length; distances count in multiples of it.
+    pub direction: [f32; 3],
     /// Hits beyond this distance do not count; may be infinite.
     pub far: f32,
+}
+
+impl Ray {
+    /// Origin and near end, side by side in memory.
+    #[inline(always)]
+    pub(crate) fn start(&self) -> [f32; 4] {
+        let [x, y, z] = self.origin;
+        [x, y, z, self.near]
+    }
+
+    /// Direction and far end, likewise.
+    #[inline(always)]
+    pub(crate) fn way(&self) -> [f32; 4] {
+        let [x, y, z] = self.direction;
+        [x, y, z, self.far]
+    }
 }
 
 /// Where a ray meets a surface.
