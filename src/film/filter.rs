@@ -185,7 +185,8 @@ impl Filter {
     #[inline]
     pub fn for_each_pixel(&self, raster: Vec2, mut add: impl FnMut(i32, i32, f32)) {
         if self.is_pixel_box() {
-            return add(raster.x.floor() as i32, raster.y.floor() as i32, 1.0);
+            let (x, y) = pixel_of(raster);
+            return add(x, y, 1.0);
         }
         let scale = if self.even {
             1.0 / (self.sum(raster.x) * self.sum(raster.y))
@@ -215,6 +216,17 @@ impl Filter {
             .map(|pixel| self.weight(pixel as f32 + 0.5 - place))
             .sum()
     }
+}
+
+/// The pixel that a raster position lies in.
+#[inline]
+pub fn pixel_of(raster: Vec2) -> (i32, i32) {
+    // Without a call of the library's function, which this machine's basic instructions lack.
+    let floor = |place: f32| {
+        let whole = place as i32;
+        whole.saturating_sub(i32::from(whole as f32 > place))
+    };
+    (floor(raster.x), floor(raster.y))
 }
 
 #[cfg(test)]

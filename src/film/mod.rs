@@ -10,7 +10,7 @@ mod filter;
 
 pub use accumulator::Accumulator;
 pub use buffer::{PassBuffer, Unit};
-pub use filter::{Filter, FilterKind};
+pub use filter::{Filter, FilterKind, pixel_of};
 
 /// The pixels that are rendered: a window into the full film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

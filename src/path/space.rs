@@ -69,29 +69,29 @@ impl<'s> PathSpace<'s> {
     ///
     /// - `from_sensor`: whether emitting surfaces may be hidden from it.
     #[inline(always)]
-    pub fn meet(&self, mut ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
-        let hit = if from_sensor && self.rules.hide_emitters {
-            self.hit_past_emitters(&mut ray)?
+    pub fn meet(&self, ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
+        let (ray, hit) = if from_sensor && self.rules.hide_emitters {
+            self.hit_past_emitters(ray)?
         } else {
             self.count_ray();
-            self.scene.hit(&ray)?
+            (ray, self.scene.hit(&ray)?)
         };
         Some(self.scene.interaction(&ray, &hit))
     }
 
-    /// The first hit of a ray on a surface that does not emit; the ray becomes what is left of it.
+    /// The first hit of a ray on a surface that does not emit, and what is left of the ray there.
     #[inline(never)]
-    fn hit_past_emitters(&self, ray: &mut Ray) -> Option<Hit> {
+    fn hit_past_emitters(&self, mut ray: Ray) -> Option<(Ray, Hit)> {
         loop {
             self.count_ray();
-            let hit = self.scene.hit(ray)?;
-            let met = self.scene.interaction(ray, &hit);
+            let hit = self.scene.hit(&ray)?;
+            let met = self.scene.interaction(&ray, &hit);
             if met.emitter.is_none() {
-                return Some(hit);
+                return Some((ray, hit));
             }
             let direction = ray.direction();
             let left = ray.far() - hit.distance;
-            *ray = Ray::new(met.point.ray_origin(direction), direction).between(0.0, left);
+            ray = Ray::new(met.point.ray_origin(direction), direction).between(0.0, left);
         }
     }
 

@@ -30,42 +30,18 @@ pub struct Interaction<'s> {
 }
 
 impl<'s> Interaction<'s> {
-    /// Looks up what stands at a hit.
+    /// What stands at a hit.
     ///
+    /// - `object`: with its index among those of the scene.
     /// - `ray`: with a unit direction.
     #[inline(always)]
-    pub(super) fn new(object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
-        let shape_hit = shape_hit(ray, hit);
-        let at = |point| Self::at(point, object, bsdf, ray, hit);
-        // Written out for triangles: a point that passes through memory costs as much as making it.
-        match &*object.shape {
-            Shape::TriangleMesh(mesh) => at(mesh.surface_at(&shape_hit)),
-            shape => at(shape.surface_at(&shape_hit)),
-        }
-    }
-
-    /// Looks up what stands at a hit on an instance.
-    ///
-    /// - `ray`: with a unit direction.
-    /// - `index`: of the object, among those of the scene.
-    #[inline(never)]
-    pub(super) fn on_instance(
-        placement: &Placement,
+    pub(super) fn new(
+        point: SurfacePoint,
         (index, object): (u32, &Object),
         bsdf: &'s Bsdf,
         ray: &Ray,
         hit: &Hit,
     ) -> Self {
-        let local = placement.to_object(&shape_hit(ray, hit));
-        let point = placement.place(&object.shape.surface_at(&local));
-        Self {
-            object: index,
-            ..Self::at(point, object, bsdf, ray, hit)
-        }
-    }
-
-    #[inline(always)]
-    fn at(point: SurfacePoint, object: &Object, bsdf: &'s Bsdf, ray: &Ray, hit: &Hit) -> Self {
         let back = -ray.direction();
         let frame = point.shading_frame();
         let wi = frame.to_local(back);
@@ -74,7 +50,7 @@ impl<'s> Interaction<'s> {
             frame,
             bsdf,
             lobes: object.lobes,
-            object: hit.geometry,
+            object: index,
             emitter: object.emitter,
             back,
             wi,
@@ -87,6 +63,34 @@ impl<'s> Interaction<'s> {
     pub fn spawn(&self, direction: Local) -> Ray {
         self.point.ray_toward(self.frame.to_world(direction))
     }
+}
+
+/// The point of a hit on a shape that stands in the world.
+///
+/// Written out for triangles: a point that passes through memory costs as much as making it.
+#[inline(always)]
+pub(super) fn point_in_world(shape: &Shape, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    match shape {
+        Shape::TriangleMesh(mesh) => mesh.surface_at(&shape_hit(ray, hit)),
+        shape => point_of_other(shape, ray, hit).by_parts(),
+    }
+}
+
+#[inline(never)]
+fn point_of_other(shape: &Shape, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    shape.surface_at(&shape_hit(ray, hit))
+}
+
+/// The point of a hit on a shape of an instance.
+#[inline(never)]
+pub(super) fn point_on_instance(
+    placement: &Placement,
+    shape: &Shape,
+    ray: &Ray,
+    hit: &Hit,
+) -> SurfacePoint {
+    let local = placement.to_object(&shape_hit(ray, hit));
+    placement.place(&shape.surface_at(&local))
 }
 
 /// What a shape is told of a hit, in world space.

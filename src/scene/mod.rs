@@ -8,6 +8,7 @@ pub mod options;
 
 pub use builder::{BuildError, SceneBuilder};
 pub use interaction::Interaction;
+use interaction::{point_in_world, point_on_instance};
 pub use lights::{ChosenRay, ChosenSample, Lights};
 
 use std::sync::Arc;
@@ -144,21 +145,29 @@ impl Scene {
     /// The surface at the first hit of a ray.
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
-        if let Some(instance) = hit.instance {
-            return self.interaction_on(instance, ray, hit);
-        }
-        let object = &self.objects[hit.geometry as usize];
-        Interaction::new(object, self.bsdf(object.bsdf), ray, hit)
-    }
-
-    /// [`Scene::interaction`] on an instance; the tracer counts them after what stands in the world.
-    #[inline(never)]
-    fn interaction_on(&self, instance: u32, ray: &Ray, hit: &Hit) -> Interaction<'_> {
-        let Instance { group, placement } = &self.instances[(instance - self.in_world) as usize];
-        let index = self.groups[group.0 as usize].first + hit.geometry;
+        let (index, point) = match hit.instance {
+            None => {
+                let object = &self.objects[hit.geometry as usize];
+                (hit.geometry, point_in_world(&object.shape, ray, hit))
+            }
+            Some(instance) => {
+                let (index, point) = self.point_on(instance, ray, hit);
+                (index, point.by_parts())
+            }
+        };
         let object = &self.objects[index as usize];
         let bsdf = self.bsdf(object.bsdf);
-        Interaction::on_instance(placement, (index, object), bsdf, ray, hit)
+        Interaction::new(point, (index, object), bsdf, ray, hit)
+    }
+
+    /// The point of a hit on an instance, and the index of its object; the tracer counts instances after
+    /// what stands in the world.
+    #[inline(never)]
+    fn point_on(&self, instance: u32, ray: &Ray, hit: &Hit) -> (u32, SurfacePoint) {
+        let Instance { group, placement } = &self.instances[(instance - self.in_world) as usize];
+        let index = self.groups[group.0 as usize].first + hit.geometry;
+        let shape = &self.objects[index as usize].shape;
+        (index, point_on_instance(placement, shape, ray, hit))
     }
 
     /// Builds a search structure like the one that the scene has, as a measure of the effort.

@@ -73,6 +73,20 @@ impl Derivatives {
 }
 
 impl SurfacePoint {
+    /// The same point, for results of calls: other ways to get a point then need no memory for it.
+    #[inline(always)]
+    #[must_use]
+    pub fn by_parts(&self) -> Self {
+        Self {
+            position: self.position,
+            geometric_normal: self.geometric_normal,
+            shading_normal: self.shading_normal,
+            derivatives: self.derivatives,
+            uv: self.uv,
+            error: self.error,
+        }
+    }
+
     /// The frame that materials write their directions in: its tangent goes where `u` grows.
     #[inline(always)]
     pub fn shading_frame(&self) -> Frame {

@@ -113,7 +113,7 @@ impl TriangleMesh {
     fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
         match self.facets.get(primitive as usize) {
             Some(facet) => self.point_of(facet, primitive, barycentrics),
-            None => self.unprepared_point(primitive, barycentrics),
+            None => self.unprepared_point(primitive, barycentrics).by_parts(),
         }
     }
 

@@ -234,9 +234,9 @@ impl CommittedScene {
 /// fails.
 #[inline]
 pub(crate) fn is_traceable(ray: &Ray) -> bool {
-    let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+    let (start, way) = (ray.start().map(f32::abs), ray.way().map(f32::abs));
     // One comparison for nearly all rays: no coordinate is larger than the sum of all.
-    let sum = (x.abs() + y.abs() + z.abs()) + (dx.abs() + dy.abs() + dz.abs());
+    let sum = (start[0] + way[0]) + (start[1] + way[1]) + (start[2] + way[2]);
     let is_within = sum <= VertexBuffer::LARGEST || all_within(ray);
     is_within & (ray.near >= 0.0) & (ray.near <= ray.far)
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::film::Landing;
 use crate::energy::Walker;
+use crate::film::pixel_of;
 use crate::math::{Rgb, Vec2};
 use crate::mutation::{Chain, Proposed};
 use crate::path::{self, Path, PathSpace};
@@ -91,8 +92,8 @@ impl State {
         })
     }
 
-    fn pixel(&self) -> Vec2 {
-        self.raster.floor()
+    fn pixel(&self) -> (i32, i32) {
+        pixel_of(self.raster)
     }
 }
 
@@ -172,8 +173,20 @@ impl<'a, K: Kernel> PathWalker<'a, K> {
     /// How much of an energy the limit on consecutive samples lets through at a raster position.
     fn limited(&self, raster: Vec2, energy: f64) -> f64 {
         match self.landing.consecutive_limit {
-            Some(limit) if self.here.stay >= limit && raster.floor() == self.here.pixel() => 0.0,
+            Some(limit) if self.here.stay >= limit && pixel_of(raster) == self.here.pixel() => 0.0,
             _ => energy,
+        }
+    }
+
+    /// Lets the energy of a proposal that is not accepted land.
+    #[inline]
+    fn land_there(&mut self) {
+        let state = self.there;
+        if state.energy > 0.0 {
+            self.landing
+                .land(state.raster, state.colour, (state.energy, state.limited));
+            self.there.energy = 0.0;
+            self.there.limited = 0.0;
         }
     }
 }
@@ -222,10 +235,15 @@ impl<K: Kernel> Walker for PathWalker<'_, K> {
             let stays = self.there.pixel() == self.here.pixel();
             let stay = self.here.stay;
             self.flush();
+            // With the energy that has come there: it waits for what the next steps bring.
             self.here = State {
                 stay: if stays { stay } else { 0 },
                 ..self.there
             };
+            self.there.energy = 0.0;
+            self.there.limited = 0.0;
+        } else {
+            self.land_there();
         }
         self.here.stay = self.here.stay.saturating_add(1);
     }
@@ -238,10 +256,8 @@ impl<K: Kernel> Walker for PathWalker<'_, K> {
 
     #[inline]
     fn deposit_there(&mut self, energy: f64) {
-        let there = self.there;
-        let limited = self.limited(there.raster, energy);
-        self.landing
-            .land(there.raster, there.colour, (energy, limited));
+        self.there.limited += self.limited(self.there.raster, energy);
+        self.there.energy += energy;
     }
 
     #[inline]
