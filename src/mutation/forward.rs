@@ -73,7 +73,7 @@ pub(super) fn rebuild(
     let mut index = 1;
     loop {
         if index == proposal.edges() {
-            return arrive_at_light(space, proposal, &ray, index);
+            return arrive_at_light(space, proposal, ray, index);
         }
         let met = space.meet(ray, index == 1).ok_or(Rejection::Missed)?;
         let event = proposal.vertices()[index].event;
@@ -158,10 +158,10 @@ fn scatter(
 fn arrive_at_light(
     space: &PathSpace<'_>,
     proposal: &mut Path,
-    ray: &Ray,
+    ray: Ray,
     index: usize,
 ) -> Result<(), Rejection> {
-    let met = space.meet(*ray, index == 1);
+    let met = space.meet(ray, index == 1);
     let lights = space.scene.lights();
     let light = match (proposal.vertices()[index].event, met) {
         (Event::Emission(EmitterClass::Environment), None) => {

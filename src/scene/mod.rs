@@ -145,19 +145,25 @@ impl Scene {
     /// The surface at the first hit of a ray.
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
-        let (index, point) = match hit.instance {
-            None => {
-                let object = &self.objects[hit.geometry as usize];
-                (hit.geometry, point_in_world(&object.shape, ray, hit))
-            }
-            Some(instance) => {
-                let (index, point) = self.point_on(instance, ray, hit);
-                (index, point.by_parts())
-            }
-        };
+        if let Some(instance) = hit.instance {
+            let (index, point) = self.point_on(instance, ray, hit);
+            return self.interaction_at(point.by_parts(), index, ray, hit);
+        }
+        let shape = &self.objects[hit.geometry as usize].shape;
+        let point = point_in_world(shape, ray, hit);
+        self.interaction_at(point, hit.geometry, ray, hit)
+    }
+
+    #[inline(always)]
+    fn interaction_at(
+        &self,
+        point: SurfacePoint,
+        index: u32,
+        ray: &Ray,
+        hit: &Hit,
+    ) -> Interaction<'_> {
         let object = &self.objects[index as usize];
-        let bsdf = self.bsdf(object.bsdf);
-        Interaction::new(point, (index, object), bsdf, ray, hit)
+        Interaction::new(point, (index, object), self.bsdf(object.bsdf), ray, hit)
     }
 
     /// The point of a hit on an instance, and the index of its object; the tracer counts instances after
