@@ -5,15 +5,30 @@
 #
 # The seed is the time in seconds unless it is given. The proof's tests are those in the files that
 # use tests/support/effort.rs. Each runs alone, so that its time is its own.
+#
+# A proof that was interrupted goes on where it was when it is asked for with the same seed at the
+# same commit: target/proof/ holds what has passed.
 set -eu
 cd -- "$(dirname -- "$0")/.."
 
 export LUMIFLOW_PROVE=1 LUMIFLOW_PROVE_SEED="${LUMIFLOW_PROVE_SEED:-$(date +%s)}"
-table=$(mktemp)
+commit=$(git describe --always --dirty --abbrev=12 --exclude='*' 2>/dev/null || echo unknown)
+kept="${CARGO_TARGET_DIR:-target}/proof"
+mkdir -p "$kept"
+# One line of the table for each test that has run.
+table="$kept/$commit-$LUMIFLOW_PROVE_SEED.md"
+# Only a commit says what was proven.
+case "$commit" in
+*dirty | unknown) rm -f "$table" ;;
+esac
 output=$(mktemp)
-trap 'rm -f "$table" "$output"' EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM
+trap 'rm -f "$output"' EXIT
+stopped() {
+    echo "interrupted; go on with: LUMIFLOW_PROVE_SEED=$LUMIFLOW_PROVE_SEED ./x prove" >&2
+    exit "$1"
+}
+trap 'stopped 130' INT
+trap 'stopped 143' TERM
 
 # Prints what the test binary says to these arguments.
 tests() { cargo test --quiet --locked --test tests -- "$@"; }
@@ -25,7 +40,14 @@ names=$(tests $modules --list --format terse | sed -n 's/: test$//p' | sort)
 [ -n "$names" ] || { echo "no test uses tests/support/effort.rs" >&2; exit 1; }
 
 failed=0
+touch "$table"
 for name in $names; do
+    if grep -qF "| \`$name\` | passed |" "$table"; then
+        continue
+    fi
+    # One that has failed runs again.
+    grep -vF "| \`$name\` |" "$table" >"$table.new" || true
+    mv "$table.new" "$table"
     if tests --exact "$name" >"$output" 2>&1; then
         result=passed
     else
@@ -49,14 +71,14 @@ mkdir -p docs
     echo "strict, and random numbers of their own. \`./x prove\` wrote this file; do not edit it."
     echo
     echo "- Date: $(date -u '+%Y-%m-%d %H:%M') UTC"
-    echo "- Commit: $(git describe --always --dirty --abbrev=12 --exclude='*' 2>/dev/null || echo unknown)"
+    echo "- Commit: $commit"
     echo "- Machine: ${processor:-unknown processor}, $(getconf _NPROCESSORS_ONLN) processors, $system, $(rustc --version)"
     echo "- Command: \`LUMIFLOW_PROVE_SEED=$LUMIFLOW_PROVE_SEED ./x prove\`"
     echo "- Result: $(echo "$names" | wc -l) tests, $failed failed"
     echo
     echo "| test | result | time |"
     echo "|---|---|---|"
-    cat "$table"
+    sort "$table"
 } >docs/proof.md.new
 mv docs/proof.md.new docs/proof.md
 printf 'docs/proof.md is written: %s failed\n' "$failed"
