@@ -225,7 +225,7 @@ const CHAINS: [&str; 13] = [
     "mlt max_depth=6 seeds=bdpt separate_direct=false noise_aware=true luminance_samples=500",
     "pssmlt max_depth=6 separate_direct=false target=path deposits=expected luminance_samples=500",
     "mmlt max_depth=6 direct_samples=2 chains=30",
-    "mmlt separate_direct=false noise_aware=true luminance_samples=500 mutations_per_pixel=2",
+    "mmlt separate_direct=false noise_aware=true luminance_samples=500 mutations_per_pixel=10",
 ];
 
 /// A render by chains with all the layers that there are.
@@ -308,7 +308,7 @@ fn more_passes_continue_the_same_chains() {
             assert!(*two >= one * (1.0 - 1e-6) && *three >= two * (1.0 - 1e-6));
             changed += u32::from(three != two && two != one);
         }
-        assert!(changed > SIDE * SIDE, "{changed}");
+        assert!(changed > SIDE * SIDE, "{text} {changed}");
     }
 }
 
