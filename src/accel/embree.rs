@@ -41,13 +41,13 @@ impl EmbreeAccel {
     }
 
     /// As [`super::Accel::intersect`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.scene.intersect(&embree_ray(ray))
     }
 
     /// As [`super::Accel::is_occluded`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn is_occluded(&self, ray: &Ray) -> bool {
         self.scene.occluded(&embree_ray(ray))
     }

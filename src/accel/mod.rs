@@ -156,15 +156,22 @@ impl Accel {
     }
 
     /// The closest hit.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        forward!(self, accel => accel.intersect(ray))
+        match &self.0 {
+            Built::Embree(accel) => accel.intersect(ray),
+            // A copy, so that the ray itself can stay in registers.
+            Built::Obvhs(accel) => accel.intersect(&{ *ray }),
+        }
     }
 
     /// True when the ray hits anything.
-    #[inline]
+    #[inline(always)]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
-        forward!(self, accel => accel.is_occluded(ray))
+        match &self.0 {
+            Built::Embree(accel) => accel.is_occluded(ray),
+            Built::Obvhs(accel) => accel.is_occluded(&{ *ray }),
+        }
     }
 
     /// The closest hits of many rays, as [`Accel::intersect`] finds them, in less time.

@@ -3,7 +3,8 @@
 //! It shares no code with Embree, so that what both say of a ray is believed. From obvhs comes the tree;
 //! its own walk is not used, since it compares boxes in single precision without a margin and takes
 //! memory for each ray. Everything after the ray's numbers is in `f64`, which costs speed: several
-//! times what Embree takes.
+//! times what Embree takes. What is asked is marked as cold, so that it takes no room in loops that
+//! Embree is asked in.
 
 mod cone;
 mod line;
@@ -96,6 +97,8 @@ impl ObvhsAccel {
     }
 
     /// As [`super::Accel::intersect`].
+    #[cold]
+    #[inline(never)]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let line = Line::new(ray)?;
         let (mut limit, mut closest) = (f64::INFINITY, None);
@@ -112,6 +115,8 @@ impl ObvhsAccel {
     }
 
     /// As [`super::Accel::is_occluded`].
+    #[cold]
+    #[inline(never)]
     pub(super) fn is_occluded(&self, ray: &Ray) -> bool {
         let Some(line) = Line::new(ray) else {
             return false;
@@ -125,12 +130,16 @@ impl ObvhsAccel {
     }
 
     /// As [`super::Accel::intersect_all`].
+    #[cold]
+    #[inline(never)]
     pub(super) fn intersect_all(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.extend(rays.iter().map(|ray| self.intersect(ray)));
     }
 
     /// As [`super::Accel::are_occluded`].
+    #[cold]
+    #[inline(never)]
     pub(super) fn are_occluded<'r>(
         &self,
         rays: impl IntoIterator<Item = &'r Ray>,

@@ -1,6 +1,8 @@
 //! What two tracers say of a ray: whether it is the same, and what it is if not.
 
 use super::address::RayAddress;
+use glam::DVec3;
+
 use super::judge::Seen;
 use super::referee::Referee;
 use super::subject::Id;
@@ -274,9 +276,16 @@ fn same_surface(seen: &Seen, ray: &Ray, a: &Hit, b: &Hit) -> bool {
             p.distance(q) <= 4.0 * allowed(seen, &tolerance)
         }),
     };
-    let [m, n] = [a, b].map(|hit| glam::DVec3::from_array(hit.normal.map(f64::from)));
-    let sine = m.normalize_or_zero().cross(n.normalize_or_zero()).length();
-    same_point && sine <= doubt(seen, &tolerance) && m.dot(n) > 0.0
+    same_point && same_normal(normal_of(a), normal_of(b), doubt(seen, &tolerance))
+}
+
+fn normal_of(hit: &Hit) -> DVec3 {
+    DVec3::from_array(hit.normal.map(f64::from)).normalize_or_zero()
+}
+
+/// Whether two unit normals are one within a sine; from 1 on any are.
+fn same_normal(a: DVec3, b: DVec3, sine: f64) -> bool {
+    sine >= 1.0 || (a.cross(b).length() <= sine && a.dot(b) > 0.0)
 }
 
 /// Whether a hit's coordinates and normal are those of the surface where it says that it is.
@@ -286,11 +295,9 @@ fn is_own_surface(seen: &Seen, ray: &Ray, hit: &Hit) -> bool {
     let point = seen.line.at(distance);
     let uv = [hit.u, hit.v].map(f64::from);
     let named = seen.exact.named(uv);
-    let normal = glam::DVec3::from_array(hit.normal.map(f64::from)).normalize_or_zero();
     let own = seen.exact.normal(point);
     named.is_none_or(|named| named.distance(point) <= 2.0 * allowed(seen, &tolerance))
-        && normal.cross(own).length() <= doubt(seen, &tolerance)
-        && normal.dot(own) > 0.0
+        && same_normal(normal_of(hit), own, doubt(seen, &tolerance))
 }
 
 /// How far apart along the surface two points may be; coordinates are floats, too.

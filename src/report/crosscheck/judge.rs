@@ -23,6 +23,8 @@ const SHIFTS: [f64; 3] = [1.0, 0.5, 0.1];
 pub(super) struct Tolerance {
     /// Across the ray, in the primitive's space.
     pub(super) own: f64,
+    /// How far a corner moves when each edge moves by as much, seen along the ray.
+    pub(super) corner: f64,
     /// The same in the world.
     pub(super) world: f64,
     /// Along the surface, in the primitive's space.
@@ -56,7 +58,7 @@ impl Referee<'_> {
         let seen = self.seen(ray, self.subject.id(hit));
         let distance = f64::from(hit.distance);
         let tolerance = seen.tolerance(ray, distance);
-        in_interval && seen.exact.gap(&seen.line, distance, tolerance.distance) <= tolerance.own
+        in_interval && seen.exact.gap(&seen.line, distance, tolerance.distance) <= tolerance.corner
     }
 
     /// Whether a ray that is off by the tolerance may be free up to a distance.
@@ -174,8 +176,14 @@ fn tolerance_of(
     } else {
         longest
     };
+    // Edges that meet at a small angle, as the ray sees it, have their corner moved by more.
+    let corner = match exact {
+        Exact::Triangle(_) if cosine > 0.0 => own * exact.stretch() / cosine,
+        _ => own,
+    };
     Tolerance {
         own,
+        corner,
         world: own * place.map_or(1.0, Place::stretch),
         along,
         distance: along / speed,
