@@ -160,8 +160,16 @@ impl Accel {
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         match &self.0 {
             Built::Embree(accel) => accel.intersect(ray),
-            // A copy, so that the ray itself can stay in registers.
-            Built::Obvhs(accel) => accel.intersect(&{ *ray }),
+            // A copy, and the hit part by part, so that both can stay in registers.
+            Built::Obvhs(accel) => accel.intersect(&{ *ray }).map(|hit| Hit {
+                distance: hit.distance,
+                u: hit.u,
+                v: hit.v,
+                normal: hit.normal,
+                primitive: hit.primitive,
+                geometry: hit.geometry,
+                instance: hit.instance,
+            }),
         }
     }
 
