@@ -155,6 +155,10 @@ impl Comparison<'_> {
                 return None;
             }
             let right = [a, b].map(|hit| is_own_surface(&seen, ray, hit));
+            // Each may be off by the tolerance, to either side of what is right.
+            if right == [true, true] {
+                return None;
+            }
             return Some((Class::Real, Right::of(right)));
         }
         let aside = self.aside(ray, hits);
