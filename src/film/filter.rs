@@ -221,7 +221,7 @@ impl Filter {
 /// The pixel that a raster position lies in.
 #[inline]
 pub fn pixel_of(raster: Vec2) -> (i32, i32) {
-    // Without a call of the library's function, which this machine's basic instructions lack.
+    // The base instructions of x86-64 cannot round down: `floor` would be a call.
     let floor = |place: f32| {
         let whole = place as i32;
         whole.saturating_sub(i32::from(whole as f32 > place))

@@ -171,7 +171,6 @@ impl TextureModel for Bitmap {
         Vec2::new(by(self.to_uv.x_axis), by(self.to_uv.y_axis))
     }
 
-    /// Mean over all texels; where `to_uv` shows another part of the picture, over 64 × 64 lookups.
     fn without_negatives(&self) -> Option<Self> {
         let image = Arc::new(self.image.without_negatives()?);
         Some(Self {
@@ -180,6 +179,7 @@ impl TextureModel for Bitmap {
         })
     }
 
+    /// Mean over all texels; where `to_uv` shows another part of the picture, over 64 × 64 lookups.
     fn mean(&self) -> Rgb {
         const GRID: u32 = 64;
         let mut sum = glam::DVec3::ZERO;

@@ -16,6 +16,15 @@ pub(in crate::integrator) struct FoundAt<'a> {
 }
 
 impl ChainFilm<'_> {
+    /// Where light subpaths are seen: everywhere that paths are, one for each pixel.
+    pub(in crate::integrator) fn light_image(&self) -> LightImage {
+        LightImage {
+            paths: self.domain.pixels(),
+            low: self.domain.low,
+            high: self.domain.high,
+        }
+    }
+
     /// Traces a subpath from either side for a camera sample, and hands out every path that they make, each
     /// connection its own: as [`PathTracing::trace`](crate::path::PathTracing::trace) does.
     ///
@@ -32,11 +41,7 @@ impl ChainFilm<'_> {
         take: &mut impl FnMut(FoundAt<'_>),
     ) -> f32 {
         let mut both = Bidirection::default();
-        let image = LightImage {
-            paths: self.domain.pixels(),
-            low: self.domain.low,
-            high: self.domain.high,
-        };
+        let image = self.light_image();
         let mut found = |both: &Bidirection<'_>, connection: &Connection| {
             let edges = connection.edges() as u32;
             let path = path.as_deref_mut().and_then(|path| {

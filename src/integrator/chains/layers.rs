@@ -4,6 +4,9 @@ use super::SeedOptions;
 use crate::film::Layer;
 use crate::integrator::pixel::PixelSettings;
 
+/// Layers that all algorithms of chains make on demand.
+pub(in crate::integrator) const OWN_LAYERS: &[&str] = &["proposals", "acceptance", "chains"];
+
 /// Place of each layer among the buffers; `None` for those that are not made.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrator) struct Places {

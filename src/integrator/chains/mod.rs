@@ -11,7 +11,7 @@ mod options;
 mod walker;
 
 pub(super) use film::{ChainFilm, Landing};
-pub(super) use layers::Places;
+pub(super) use layers::{OWN_LAYERS, Places};
 pub(super) use mutations::{MutationOptions, angle_kernel, angle_of_pixel, lens_aperture};
 pub(super) use options::{SeedOptions, from_both_sides};
 pub(super) use walker::{Kernel, PathWalker, Pause};

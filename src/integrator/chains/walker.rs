@@ -1,5 +1,7 @@
 //! A chain of paths as something that energy flows over.
 
+use std::mem;
+
 use glam::DVec3;
 
 use super::film::Landing;
@@ -95,6 +97,21 @@ impl State {
     fn pixel(&self) -> (i32, i32) {
         pixel_of(self.raster)
     }
+
+    /// Takes the energy that waits, and the part of it that is let through.
+    #[inline]
+    fn take(&mut self) -> (f64, f64) {
+        (mem::take(&mut self.energy), mem::take(&mut self.limited))
+    }
+
+    /// Lets the energy that waits land.
+    #[inline]
+    fn land(&mut self, landing: &Landing<'_>) {
+        let energy = self.take();
+        if energy.0 > 0.0 {
+            landing.land(self.raster, self.colour, energy);
+        }
+    }
 }
 
 impl<'a, K: Kernel> PathWalker<'a, K> {
@@ -163,11 +180,7 @@ impl<'a, K: Kernel> PathWalker<'a, K> {
 
     /// Lets all energy that waits land.
     pub(in crate::integrator) fn flush(&mut self) {
-        let state = self.here;
-        self.landing
-            .land(state.raster, state.colour, (state.energy, state.limited));
-        self.here.energy = 0.0;
-        self.here.limited = 0.0;
+        self.here.land(&self.landing);
     }
 
     /// How much of an energy the limit on consecutive samples lets through at a raster position.
@@ -175,18 +188,6 @@ impl<'a, K: Kernel> PathWalker<'a, K> {
         match self.landing.consecutive_limit {
             Some(limit) if self.here.stay >= limit && pixel_of(raster) == self.here.pixel() => 0.0,
             _ => energy,
-        }
-    }
-
-    /// Lets the energy of a proposal that is not accepted land.
-    #[inline]
-    fn land_there(&mut self) {
-        let state = self.there;
-        if state.energy > 0.0 {
-            self.landing
-                .land(state.raster, state.colour, (state.energy, state.limited));
-            self.there.energy = 0.0;
-            self.there.limited = 0.0;
         }
     }
 }
@@ -240,10 +241,9 @@ impl<K: Kernel> Walker for PathWalker<'_, K> {
                 stay: if stays { stay } else { 0 },
                 ..self.there
             };
-            self.there.energy = 0.0;
-            self.there.limited = 0.0;
+            self.there.take();
         } else {
-            self.land_there();
+            self.there.land(&self.landing);
         }
         self.here.stay = self.here.stay.saturating_add(1);
     }

@@ -3,7 +3,7 @@
 mod render;
 
 use super::Algorithm;
-use super::chains::{MutationOptions, SeedOptions};
+use super::chains::{MutationOptions, OWN_LAYERS, SeedOptions};
 use super::pixel::PixelSettings;
 use super::render::Integrator;
 use crate::energy::FlowRule;
@@ -11,9 +11,6 @@ use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
 use crate::sensor::Sensor;
 use render::ErptRender;
-
-/// Layers that are made on demand.
-pub(super) const OWN_LAYERS: &[&str] = &["proposals", "acceptance", "chains"];
 
 /// Mutations for each camera sample, where no number is given.
 ///

@@ -16,7 +16,4 @@ pub(super) use bootstrap::Seed;
 pub(super) use importance::Importance;
 pub(super) use numbers::PrimaryNumbers;
 pub(super) use options::{MetropolisOptions, PrimaryOptions};
-pub(super) use render::{ChainPlan, MetropolisRender, Sampling};
-
-/// Layers that are made on demand.
-pub(super) const OWN_LAYERS: &[&str] = &["proposals", "acceptance", "chains"];
+pub(super) use render::{ChainPlan, Metropolis, Sampling, counted};

@@ -8,7 +8,8 @@ use super::importance::NoiseMap;
 use super::options::Work;
 use super::{Importance, MetropolisOptions};
 use crate::film::{Layer, PassBuffer, Unit, Window};
-use crate::integrator::chains::{ChainFilm, Landing, SeedOptions};
+use crate::integrator::Algorithm;
+use crate::integrator::chains::{ChainFilm, Landing, OWN_LAYERS, SeedOptions};
 use crate::integrator::pixel::PixelSettings;
 use crate::integrator::render::{Counters, Driver, Integrator};
 use crate::path::Path;
@@ -64,6 +65,16 @@ impl<'a> ChainPlan<'a> {
     }
 }
 
+/// Luminances of bootstrap samples, with the count of what they have cost.
+pub(in crate::integrator) fn counted(luminances: Vec<f64>, rays: u64) -> (Vec<f64>, Counters) {
+    let counters = Counters {
+        paths: luminances.len() as u64,
+        rays,
+        ..Counters::default()
+    };
+    (luminances, counters)
+}
+
 /// What chains walk over.
 pub(in crate::integrator) trait Sampling: Sync {
     /// Makes samples of the bootstrap set, and returns their luminances times importance; zero for what is
@@ -76,8 +87,42 @@ pub(in crate::integrator) trait Sampling: Sync {
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters;
 }
 
+/// An integrator by Metropolis sampling.
+pub(in crate::integrator) trait Metropolis: Send + Sync {
+    /// What its chains walk over.
+    type Sampling<'s>: Sampling
+    where
+        Self: 's;
+
+    /// What the family's integrators share.
+    fn options(&self) -> (&SeedOptions, &MetropolisOptions);
+
+    /// What chains walk over, on a film.
+    fn sampling<'s>(&'s self, film: &ChainFilm<'s>) -> Self::Sampling<'s>;
+}
+
+impl<M: Metropolis> Algorithm for M {
+    fn start<'s>(
+        &'s self,
+        scene: &'s Scene,
+        sensor: &'s Sensor,
+        settings: PixelSettings,
+    ) -> Box<dyn Integrator + 's> {
+        Box::new(MetropolisRender::new(self, (scene, sensor), settings))
+    }
+
+    fn has_second_moment(&self) -> bool {
+        // What lands on a pixel at once is no sample of it.
+        false
+    }
+
+    fn own_layers(&self) -> &'static [&'static str] {
+        OWN_LAYERS
+    }
+}
+
 /// A render by Metropolis sampling.
-pub(in crate::integrator) struct MetropolisRender<'s, S> {
+struct MetropolisRender<'s, S> {
     film: ChainFilm<'s>,
     work: Work,
     cells: Cells,
@@ -88,15 +133,12 @@ pub(in crate::integrator) struct MetropolisRender<'s, S> {
 
 impl<'s, S: Sampling> MetropolisRender<'s, S> {
     /// Prepares a render: makes the estimate that fixes the film's unit.
-    ///
-    /// - `sampling`: of a film.
-    pub(in crate::integrator) fn new(
+    fn new<M: Metropolis<Sampling<'s> = S>>(
+        algorithm: &'s M,
         (scene, sensor): (&'s Scene, &'s Sensor),
-        seeds: &'s SeedOptions,
-        options: &MetropolisOptions,
         settings: PixelSettings,
-        sampling: impl FnOnce(&ChainFilm<'s>) -> S,
     ) -> Self {
+        let (seeds, options) = algorithm.options();
         // A pass is a replica: nothing is spread over several.
         let settings = PixelSettings {
             sampler: SamplerKind::Independent,
@@ -111,7 +153,7 @@ impl<'s, S: Sampling> MetropolisRender<'s, S> {
             noise: options
                 .noise_aware
                 .then(|| Mutex::new(NoiseMap::new(film.domain))),
-            sampling: sampling(&film),
+            sampling: algorithm.sampling(&film),
             film,
         }
     }

@@ -3,16 +3,11 @@
 mod kernel;
 mod sampling;
 
-use super::Algorithm;
-use super::chains::{MutationOptions, SeedOptions};
-use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS};
-use super::pixel::PixelSettings;
-use super::render::Integrator;
+use super::chains::{ChainFilm, MutationOptions, SeedOptions};
+use super::metropolis::{Metropolis, MetropolisOptions};
 use crate::mutation::BidirectionalMutation;
 use crate::path::CAPACITY;
-use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
-use crate::sensor::Sensor;
 use sampling::PathSampling;
 
 /// Mutations of paths: some change a little, one takes a piece out and puts another in.
@@ -59,27 +54,14 @@ impl Mlt {
     }
 }
 
-impl Algorithm for Mlt {
-    fn start<'s>(
-        &'s self,
-        scene: &'s Scene,
-        sensor: &'s Sensor,
-        settings: PixelSettings,
-    ) -> Box<dyn Integrator + 's> {
-        let film_size = settings.film_size;
-        let sampling = |film: &_| PathSampling::new(self, film, film_size);
-        let space = (scene, sensor);
-        let render =
-            MetropolisRender::new(space, &self.seeds, &self.metropolis, settings, sampling);
-        Box::new(render)
+impl Metropolis for Mlt {
+    type Sampling<'s> = PathSampling<'s>;
+
+    fn options(&self) -> (&SeedOptions, &MetropolisOptions) {
+        (&self.seeds, &self.metropolis)
     }
 
-    fn has_second_moment(&self) -> bool {
-        // What lands on a pixel at once is no sample of it.
-        false
-    }
-
-    fn own_layers(&self) -> &'static [&'static str] {
-        OWN_LAYERS
+    fn sampling<'s>(&'s self, film: &ChainFilm<'s>) -> PathSampling<'s> {
+        PathSampling::new(self, film)
     }
 }

@@ -7,7 +7,7 @@ use super::kernel::MltKernel;
 use crate::energy::{Walker, run_chain};
 use crate::film::Filter;
 use crate::integrator::chains::{ChainFilm, PathWalker};
-use crate::integrator::metropolis::{ChainPlan, Sampling, Seed};
+use crate::integrator::metropolis::{ChainPlan, Sampling, Seed, counted};
 use crate::integrator::render::Counters;
 use crate::math::Vec2;
 use crate::mutation::Perturbation;
@@ -15,7 +15,7 @@ use crate::path::{Found, Path, PathSpace, camera_sample};
 use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
 
 /// Chains of paths as what Metropolis sampling samples.
-pub(super) struct PathSampling<'a> {
+pub(in crate::integrator) struct PathSampling<'a> {
     mlt: &'a Mlt,
     perturbation: Perturbation,
 }
@@ -31,7 +31,8 @@ fn luminance(found: &Found<'_>) -> f64 {
 }
 
 impl<'a> PathSampling<'a> {
-    pub(super) fn new(mlt: &'a Mlt, film: &ChainFilm<'_>, film_size: (u32, u32)) -> Self {
+    pub(super) fn new(mlt: &'a Mlt, film: &ChainFilm<'_>) -> Self {
+        let film_size = film.settings.film_size;
         Self {
             mlt,
             perturbation: mlt
@@ -93,12 +94,7 @@ impl Sampling for PathSampling<'_> {
             sum
         };
         let luminances: Vec<f64> = samples.map(all).collect();
-        let counters = Counters {
-            paths: luminances.len() as u64,
-            rays: space.rays(),
-            ..Counters::default()
-        };
-        (luminances, counters)
+        counted(luminances, space.rays())
     }
 
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {

@@ -86,11 +86,7 @@ impl<'a> Evaluator<'a> {
             importance: plan.importance,
             space: plan.film.space(),
             tracing: *tracing,
-            image: LightImage {
-                paths: plan.pixels(),
-                low: plan.film.domain.low,
-                high: plan.film.domain.high,
-            },
+            image: plan.film.light_image(),
             sample: Box::default(),
         }
     }

@@ -6,7 +6,9 @@ use super::Mmlt;
 use super::evaluation::{Evaluator, Shown, Technique};
 use crate::film::Filter;
 use crate::integrator::chains::Landing;
-use crate::integrator::metropolis::{ChainPlan, PrimaryNumbers, PrimaryOptions, Sampling, Seed};
+use crate::integrator::metropolis::{
+    ChainPlan, PrimaryNumbers, PrimaryOptions, Sampling, Seed, counted,
+};
 use crate::integrator::render::Counters;
 use crate::mutation::PrimarySpace;
 
@@ -20,7 +22,7 @@ use crate::mutation::PrimarySpace;
 ///
 /// Differs: the paper draws seeds for each length from samples of one technique each; how many techniques there are
 /// then is a factor of the target. Here it would be the same on either side of every ratio.
-pub(super) struct MultiplexedSampling<'a>(pub(super) &'a Mmlt);
+pub(in crate::integrator) struct MultiplexedSampling<'a>(pub(super) &'a Mmlt);
 
 /// A chain under way.
 struct Walk<'a> {
@@ -113,12 +115,7 @@ impl Sampling for MultiplexedSampling<'_> {
             sum
         };
         let luminances: Vec<f64> = samples.map(luminance).collect();
-        let counters = Counters {
-            paths: luminances.len() as u64,
-            rays: evaluator.space.rays(),
-            ..Counters::default()
-        };
-        (luminances, counters)
+        counted(luminances, evaluator.space.rays())
     }
 
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {

@@ -108,11 +108,7 @@ impl<'a> Evaluator<'a> {
                 None => Tracer::Path(Box::default()),
                 Some(tracing) => Tracer::Both {
                     tracing: *tracing,
-                    image: LightImage {
-                        paths: plan.pixels(),
-                        low: plan.film.domain.low,
-                        high: plan.film.domain.high,
-                    },
+                    image: plan.film.light_image(),
                     sample: Box::default(),
                 },
             },

@@ -3,15 +3,10 @@
 mod evaluation;
 mod sampling;
 
-use super::Algorithm;
-use super::chains::{SeedOptions, from_both_sides};
-use super::metropolis::{MetropolisOptions, MetropolisRender, OWN_LAYERS, PrimaryOptions};
-use super::pixel::PixelSettings;
-use super::render::Integrator;
+use super::chains::{ChainFilm, SeedOptions, from_both_sides};
+use super::metropolis::{Metropolis, MetropolisOptions, PrimaryOptions};
 use crate::path::Bidirectional;
-use crate::scene::Scene;
 use crate::scene::options::{OptionError, OptionReader};
-use crate::sensor::Sensor;
 use sampling::PrimarySampling;
 
 /// What the importance of a state is.
@@ -76,26 +71,14 @@ impl Pssmlt {
     }
 }
 
-impl Algorithm for Pssmlt {
-    fn start<'s>(
-        &'s self,
-        scene: &'s Scene,
-        sensor: &'s Sensor,
-        settings: PixelSettings,
-    ) -> Box<dyn Integrator + 's> {
-        let space = (scene, sensor);
-        let sampling = |_: &_| PrimarySampling(self);
-        let render =
-            MetropolisRender::new(space, &self.seeds, &self.metropolis, settings, sampling);
-        Box::new(render)
+impl Metropolis for Pssmlt {
+    type Sampling<'s> = PrimarySampling<'s>;
+
+    fn options(&self) -> (&SeedOptions, &MetropolisOptions) {
+        (&self.seeds, &self.metropolis)
     }
 
-    fn has_second_moment(&self) -> bool {
-        // What lands on a pixel at once is no sample of it.
-        false
-    }
-
-    fn own_layers(&self) -> &'static [&'static str] {
-        OWN_LAYERS
+    fn sampling<'s>(&'s self, _: &ChainFilm<'s>) -> PrimarySampling<'s> {
+        PrimarySampling(self)
     }
 }

@@ -6,11 +6,11 @@ use super::evaluation::{Evaluation, Evaluator, Wanted};
 use super::{Pssmlt, Target};
 use crate::film::Filter;
 use crate::integrator::chains::Landing;
-use crate::integrator::metropolis::{ChainPlan, PrimaryNumbers, Sampling, Seed};
+use crate::integrator::metropolis::{ChainPlan, PrimaryNumbers, Sampling, Seed, counted};
 use crate::integrator::render::Counters;
 
 /// Chains of numbers as what Metropolis sampling samples.
-pub(super) struct PrimarySampling<'a>(pub(super) &'a Pssmlt);
+pub(in crate::integrator) struct PrimarySampling<'a>(pub(super) &'a Pssmlt);
 
 /// How energy is shared between the places of a chain and the large steps as samples of their own.
 #[derive(Clone, Copy)]
@@ -124,12 +124,7 @@ impl Sampling for PrimarySampling<'_> {
             found.importance
         };
         let luminances: Vec<f64> = samples.map(luminance).collect();
-        let counters = Counters {
-            paths: luminances.len() as u64,
-            rays: evaluator.space.rays(),
-            ..Counters::default()
-        };
-        (luminances, counters)
+        counted(luminances, evaluator.space.rays())
     }
 
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {
