@@ -161,7 +161,10 @@ impl<'a> Driver<'a> {
         if rayon::current_num_threads() == 1 {
             (0..count).for_each(run);
         } else {
-            (0..count).into_par_iter().for_each(run);
+            // Left to itself rayon hands out runs of units that nobody can take a part of: at the end of a
+            // pass, threads would wait for the longest.
+            let units = (0..count).into_par_iter().with_max_len(1);
+            units.for_each(run);
         }
         let counters = total
             .into_inner()

@@ -45,6 +45,7 @@ impl MeanEnergy {
         // One slot a row, summed in order: the same bits for any number of threads.
         let rows: Vec<Self> = (0..side)
             .into_par_iter()
+            .with_max_len(1)
             .map(|row| {
                 let space = PathSpace::new(scene, sensor, seeds.rules);
                 let mut path = Path::default();

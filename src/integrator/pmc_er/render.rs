@@ -131,7 +131,7 @@ impl<'s> PmcErRender<'s> {
         positions: &[(i32, i32)],
         batch: Batch<'_>,
     ) -> (Vec<Seed>, Counters) {
-        let shares = positions.par_chunks(SHARE).map(|share| {
+        let shares = positions.par_chunks(SHARE).with_max_len(1).map(|share| {
             let space = self.film.space();
             let mut path = Path::default();
             let mut seeds = Vec::new();
@@ -184,7 +184,7 @@ impl<'s> PmcErRender<'s> {
 
     /// A round of mutations of all members; returns their children.
     fn mutate(&self, members: &mut [PathMember], batch: Batch<'_>) -> (Vec<PathMember>, Counters) {
-        let shares = members.par_chunks_mut(SHARE).map(|share| {
+        let shares = members.par_chunks_mut(SHARE).with_max_len(1).map(|share| {
             let space = self.film.space();
             let kernel = RadiusKernel::new(batch);
             let landing = self.film.landing(batch.layers);
