@@ -132,3 +132,29 @@ fn lines_tell_of_progress_where_there_is_no_terminal() {
         assert!(line.contains(part.trim()), "{part}: {line}");
     }
 }
+
+#[test]
+fn a_cross_check_tells_what_it_has_found_so_far() {
+    let place = Place::with_room();
+    let check = ["crosscheck", "room.xml", "--rays", "1000000000", "--json"];
+    let mut child = place.command(&check).spawn().expect("the command starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("stderr is piped")).lines();
+    let progress = lines.next().expect("a line of progress").unwrap();
+    send("INT", &child);
+    let said: Vec<String> = lines.map(Result::unwrap).collect();
+    let done = finish(child);
+    assert_eq!(done.code, Some(130), "{said:?}");
+    assert!(
+        progress.contains("crosscheck: ") && progress.contains(" left"),
+        "{progress}"
+    );
+    let found: serde_json::Value =
+        serde_json::from_str(done.stdout.trim_end().lines().last().expect("a line")).unwrap();
+    assert_eq!(found["interrupted"], true);
+    let rays = found["rays"].as_u64().expect("a number");
+    assert!(0 < rays && rays < 1_000_000_000, "{rays}");
+    assert!(
+        said.iter().any(|line| line.contains("stopped early")),
+        "{said:?}"
+    );
+}
