@@ -4,7 +4,7 @@ use crate::support::effort::{level, samples, seed};
 use crate::support::hard_scenes::{View, body_in_glass, door_ajar, mirror_caustic};
 use crate::support::render::{Replicas, picture, settings, tiles};
 use crate::support::stages::{SIDE, stage_of};
-use crate::support::two_sided_light::{metals, outdoors, patterned, points, through_a_lens};
+use crate::support::two_sided_light::{beams, metals, outdoors, patterned, points, through_a_lens};
 
 const REPLICAS: u64 = 16;
 /// Chance that a right program fails one of these tests with another seed.
@@ -115,6 +115,12 @@ fn one_mean_under_point_lights_behind_glass() {
         sensor: stage.sensor,
     };
     check(&view, 5, &[From::Eye, From::Lights]);
+}
+
+/// Beams without width light single points, which no ray from the eye meets.
+#[test]
+fn one_mean_under_beams() {
+    check(&beams(), 5, &[From::Eye]);
 }
 
 #[test]

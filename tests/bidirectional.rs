@@ -10,6 +10,7 @@ use crate::support::render::Replicas;
 use crate::support::seeds::{LIGHT_PATHS, from_both_sides, space, trace_both_sides};
 use crate::support::stages::{SIDE, Stage, stages};
 use crate::support::techniques::{Densities, MISTAKES, Mistake};
+use crate::support::two_sided_light::beams;
 
 /// Weight of a technique from the densities of all.
 fn weight(weighing: Weighing, densities: &[f64], technique: usize) -> f64 {
@@ -67,7 +68,7 @@ fn compare(stage: &Stage, weighing: Weighing, mistake: Mistake, count: u32) -> C
 
 #[test]
 fn carried_weights_are_those_of_all_densities() {
-    for stage in stages() {
+    for stage in stages().into_iter().chain([beams().into()]) {
         for weighing in [
             Weighing::Balance,
             Weighing::Square,
@@ -100,7 +101,7 @@ fn planted_errors_of_densities_are_found() {
 
 #[test]
 fn paths_of_two_subpaths_are_what_they_say() {
-    for stage in stages() {
+    for stage in stages().into_iter().chain([beams().into()]) {
         let space = space(&stage);
         let mut path = Path::default();
         let (mut count, mut broken) = (0, Vec::new());

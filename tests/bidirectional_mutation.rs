@@ -9,6 +9,7 @@ use crate::support::factors::factors;
 use crate::support::moments::Mean;
 use crate::support::seeds::{TRACING, from_both_sides, numbers, space, trace, trace_both_sides};
 use crate::support::stages::{SIDE, Stage, moves, stage_of, stages};
+use crate::support::two_sided_light::beams;
 
 /// Longest paths, in edges.
 const MOST: usize = TRACING.max_depth as usize;
@@ -142,8 +143,10 @@ fn fresh_paths_of_every_length_bring_the_light_that_path_tracing_finds() {
 fn fresh_paths_bring_the_light_that_is_found_from_both_sides() {
     let count = samples(60_000);
     let mut all = Vec::new();
-    for name in ["point and spot", "open air", "glass ball"] {
-        let stage = stage_of(name);
+    let names = ["point and spot", "open air", "glass ball"];
+    let stages = names.map(stage_of).into_iter().chain([beams().into()]);
+    for stage in stages {
+        let name = stage.name;
         let both = found_from_both_sides(&stage, (seed(3500), count));
         let new = || BidirectionalMutation::new(1, MOST);
         let mut mutation = new().among_seeds_of_both_sides();
@@ -151,7 +154,7 @@ fn fresh_paths_bring_the_light_that_is_found_from_both_sides() {
         let found = differences(&both, &afresh);
         println!("{name}: {found:.2?}");
         all.extend(found);
-        if name == "point and spot" {
+        if ["point and spot", "beams"].contains(&name) {
             let without = made_afresh(&stage, &mut new(), (seed(3501), count));
             let lost = differences(&both, &without);
             assert!(lost.iter().any(|(_, z)| z.abs() > 6.0), "{lost:.2?}");

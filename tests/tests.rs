@@ -5,6 +5,7 @@ mod all_integrators;
 mod antialiasing;
 mod balance;
 mod bdpt;
+mod beams;
 mod bidirectional;
 mod bidirectional_mutation;
 mod chi_square;

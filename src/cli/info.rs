@@ -22,7 +22,7 @@ struct Contents {
     /// Triangles that all instances together place.
     instanced_triangles: usize,
     materials: usize,
-    lights: [(&'static str, usize); 4],
+    lights: [(&'static str, usize); 5],
     load_seconds: f64,
     build_seconds: f64,
     /// Largest memory of the process so far, in bytes, where the system tells.
@@ -71,6 +71,7 @@ impl Contents {
                 ("area", of_class(EmitterClass::Area)),
                 ("point", of_class(EmitterClass::Point)),
                 ("directional", of_class(EmitterClass::Directional)),
+                ("collimated", of_class(EmitterClass::Collimated)),
                 ("environment", of_class(EmitterClass::Environment)),
             ],
             load_seconds,

@@ -25,7 +25,7 @@ pub struct EmittedRay {
     /// The point of the surface that glows; `None` for emitters that are no surfaces.
     pub surface: Option<SurfacePoint>,
     /// What is sent: radiance (W·m⁻²·sr⁻¹) of a surface or an environment, intensity (W·sr⁻¹) of a light
-    /// at a point, irradiance (W·m⁻²) of a light of one direction.
+    /// at a point, irradiance (W·m⁻²) of a light of one direction, flux (W) of a single ray.
     pub value: Rgb,
     /// The density with which the ray was made.
     pub density: EmissionDensity,

@@ -3,12 +3,13 @@
 //! An emitter answers three questions: what it sends along a given ray, how to find it from a point,
 //! and which rays leave it. [`EmitterModel::density_toward`] is exactly the density of
 //! [`EmitterModel::sample_toward`], and [`EmitterModel::emission_density`] that of
-//! [`EmitterModel::sample_emission`]; Dirac emitters (points, parallel beams) are never hit by chance.
+//! [`EmitterModel::sample_emission`]; Dirac emitters (points, parallel light) are never hit by chance.
 //!
 //! A new model is a file, a line in `emitter_models!` and an arm in the importer. The tests pick it
 //! up from its [`EmitterModel::examples`].
 
 mod area;
+mod collimated;
 mod constant;
 mod directional;
 mod emission;
@@ -21,6 +22,7 @@ mod sun_sky;
 mod tests;
 
 pub use area::Area;
+pub use collimated::Collimated;
 pub use constant::Constant;
 pub use directional::Directional;
 pub use emission::{EmissionDensity, EmittedRay};
@@ -44,6 +46,8 @@ pub enum EmitterClass {
     Point,
     /// One direction from infinitely far away: no ray meets it.
     Directional,
+    /// One point and one direction: no ray meets it, and no point can be connected to it.
+    Collimated,
     /// All directions from infinitely far away.
     Environment,
 }
@@ -52,7 +56,13 @@ impl EmitterClass {
     /// True for emitters that no ray can meet by chance.
     #[inline]
     pub fn is_dirac(self) -> bool {
-        matches!(self, Self::Point | Self::Directional)
+        matches!(self, Self::Point | Self::Directional | Self::Collimated)
+    }
+
+    /// True for emitters that send something to every point that sees them, so that paths from the eye can end there.
+    #[inline]
+    pub fn is_connectable(self) -> bool {
+        self != Self::Collimated
     }
 }
 
@@ -316,6 +326,8 @@ macro_rules! emitter_models {
 emitter_models! {
     /// A surface that glows.
     Area,
+    /// A beam without width.
+    Collimated,
     /// The same light from everywhere.
     Constant,
     /// Parallel light.

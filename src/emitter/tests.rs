@@ -227,6 +227,8 @@ fn power_is_what_flows_out() {
                     })
                 })
             }
+            // No point can ask for it.
+            EmitterClass::Collimated => continue,
             EmitterClass::Directional | EmitterClass::Environment => {
                 let disk = std::f64::consts::PI * f64::from(BOUNDS.radius).powi(2);
                 estimate(COUNT, |stream| {

@@ -53,6 +53,12 @@ pub trait Algorithm: Send + Sync {
         true
     }
 
+    /// Whether the algorithm connects light that it traces from the emitters on to the lens: no other shows what a
+    /// beam without width lights.
+    fn shows_traced_light(&self) -> bool {
+        false
+    }
+
     /// Names of the layers that the algorithm can make besides its image, on demand.
     fn own_layers(&self) -> &'static [&'static str] {
         &[]

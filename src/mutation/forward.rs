@@ -23,19 +23,20 @@ pub(super) enum Redirect {
 ///
 /// - `passes`: how many finite vertices with a specular one behind them may be passed.
 ///
-/// `None` where there are more of them.
+/// `None` where there are more of them, and where all vertices are where a beam without width has put them.
 pub(super) fn last_moved(path: &Path, mut passes: usize) -> Option<usize> {
     let vertices = path.vertices();
     for (index, pair) in vertices.windows(2).enumerate().skip(1) {
         if pair[0].event != Event::Finite {
             continue;
         }
-        if !pair[1].event.is_dirac() {
+        if pair[1].event.is_connectable() {
             return Some(index);
         }
         passes = passes.checked_sub(1)?;
     }
-    Some(path.edges())
+    let is_beam = |light: &PathVertex| light.event == Event::Emission(EmitterClass::Collimated);
+    (!vertices.last().is_some_and(is_beam)).then_some(path.edges())
 }
 
 /// Index of the last vertex that changes, where a finite vertex with a specular one behind it is passed;

@@ -131,7 +131,9 @@ impl PathSpace<'_> {
             Event::Emission(EmitterClass::Environment) => {
                 f64::from(lights.environment_density(from_point, light.position()).0)
             }
-            Event::Emission(_) => f64::from(lights.probability(id, from_point)),
+            Event::Emission(class) if class.is_connectable() => {
+                f64::from(lights.probability(id, from_point))
+            }
             _ => return None,
         })
     }

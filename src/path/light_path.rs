@@ -153,7 +153,7 @@ pub(crate) fn luminance(value: DVec3) -> f64 {
 }
 
 /// The regular expression of a path, such as `EDSSL`, read from the eye; `L` is `A` for an area light,
-/// `P` for a point light, `R` for a directional light and `V` for an environment.
+/// `P` for a point light, `R` for a directional light, `B` for a beam without width and `V` for an environment.
 ///
 /// Source: Heckbert 1990.
 pub struct Signature<'p>(&'p [PathVertex]);
@@ -169,6 +169,7 @@ impl fmt::Display for Signature<'_> {
                 Event::Emission(EmitterClass::Area) => "A",
                 Event::Emission(EmitterClass::Point) => "P",
                 Event::Emission(EmitterClass::Directional) => "R",
+                Event::Emission(EmitterClass::Collimated) => "B",
                 Event::Emission(EmitterClass::Environment) => "V",
             })
         })

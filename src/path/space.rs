@@ -300,7 +300,7 @@ impl<'s> PathSpace<'s> {
     /// What an emitter's vertex sends in a unit direction away from it.
     ///
     /// Radiance of areas and environments, intensity of point lights; the irradiance of a directional
-    /// light is kept in the vertex.
+    /// light and the flux of a beam are kept in the vertex, whatever the direction.
     #[inline]
     pub fn emission(&self, vertex: &PathVertex, to_eye: Vec3) -> Rgb {
         let (Some(id), Event::Emission(class)) = (vertex.emitter(), vertex.event) else {
@@ -310,7 +310,7 @@ impl<'s> PathSpace<'s> {
         match class {
             EmitterClass::Area => emitter.radiance(&vertex.point, to_eye),
             EmitterClass::Point => emitter.intensity(to_eye),
-            EmitterClass::Directional => vertex.value,
+            EmitterClass::Directional | EmitterClass::Collimated => vertex.value,
             EmitterClass::Environment => emitter.environment_radiance(vertex.position()),
         }
     }

@@ -123,7 +123,7 @@ impl Path {
             Event::Emission(class) => {
                 let kind = match class {
                     EmitterClass::Area => VertexKind::Surface,
-                    EmitterClass::Point => VertexKind::Point,
+                    EmitterClass::Point | EmitterClass::Collimated => VertexKind::Point,
                     EmitterClass::Directional | EmitterClass::Environment => VertexKind::Infinity,
                 };
                 index > 0 && index + 1 == vertices.len() && vertex.kind == kind

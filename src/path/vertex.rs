@@ -13,7 +13,7 @@ pub enum VertexKind {
     Sensor,
     /// On a surface.
     Surface,
-    /// At a point light, which no ray meets.
+    /// At a point light or the start of a beam, which no ray meets.
     Point,
     /// Infinitely far away: its position is the unit direction towards it.
     Infinity,
@@ -68,6 +68,16 @@ impl Event {
     pub fn is_dirac(self) -> bool {
         matches!(self, Self::Specular(_) | Self::Null(_))
     }
+
+    /// True where a vertex can be connected to any other: not where light goes one way only.
+    #[inline]
+    pub fn is_connectable(self) -> bool {
+        match self {
+            Self::Measurement | Self::Finite => true,
+            Self::Specular(_) | Self::Null(_) => false,
+            Self::Emission(class) => class.is_connectable(),
+        }
+    }
 }
 
 /// One vertex of a path: a plain value without references.
@@ -80,7 +90,7 @@ pub struct PathVertex {
     /// - finite event: `f_s · |n_s · ω_l|`, radiance from the light's side scattered to the eye's, in
     ///   1/sr;
     /// - Dirac event: the component's coefficient, the other direction generated from the eye's side;
-    /// - emission: radiance (area, environment), intensity (point) or irradiance (directional);
+    /// - emission: radiance (area, environment), intensity (point), irradiance (directional) or flux (collimated);
     /// - sensor: one.
     pub value: Rgb,
     /// For Dirac events, the factor on `value` when the eye's direction is generated from the light's:

@@ -28,6 +28,8 @@ pub enum Purpose {
     Light = 10,
     /// Rays that two tracers are compared on.
     Crosscheck = 11,
+    /// Rays of beams without width, in a layer of direct light.
+    Beam = 12,
     /// Samples from which the seeds of Metropolis sampling are drawn.
     Bootstrap = 16,
     /// Which of them become seeds.

@@ -77,6 +77,11 @@ impl Lights {
         self.environment
     }
 
+    /// Whether there is light that only what is traced from the emitters on shows: beams without width.
+    pub fn has_beams(&self) -> bool {
+        self.emitters.iter().any(|e| !e.class().is_connectable())
+    }
+
     /// An emitter.
     #[inline]
     pub fn get(&self, id: EmitterId) -> &Emitter {

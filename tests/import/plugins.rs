@@ -184,7 +184,7 @@ fn days_are_read_in_both_generations() {
 }
 
 #[test]
-fn projectors_are_read_and_beams_without_width_left_out() {
+fn projectors_are_read() {
     let board = "<texture type='checkerboard' name='irradiance'/>";
     let projector =
         |inside: &str| file_of(&format!("<emitter type='projector'>{inside}</emitter>"));
@@ -199,10 +199,44 @@ fn projectors_are_read_and_beams_without_width_left_out() {
         &[],
         "scene.xml:4:1: the field of view is 180 degrees, expected more than 0 and less than 180",
     );
+}
+
+#[test]
+fn merged_shapes_are_in_the_scene_by_themselves() {
+    let merged = |inside: &str| file_of(&format!("<shape type='merge'>{inside}</shape>"));
+    let lamp = "<shape type='sphere'><emitter type='area'/></shape>";
+    check(&merged(&format!("<shape type='cube'/>{lamp}")), &[], "");
     check(
-        &file_of("<emitter type='collimated'/>"),
+        &merged("\n<shape type='merge'/>"),
         &[],
-        "scene.xml:3:1: warning: a beam without width: no path from the eye can find it; left out",
+        "scene.xml:4:1: found shape \"merge\" in a merge, expected a shape by itself",
+    );
+}
+
+#[test]
+fn integrators_around_others_that_are_unknown_say_so() {
+    let inner = "<integrator type='path'/>";
+    let around = |name: &str| {
+        let outer = format!("<integrator type='{name}'><float name='max_error' value='5'/>");
+        file_of(&format!("{outer}{inner}</integrator>"))
+    };
+    check(
+        &around("adaptive"),
+        &[],
+        "scene.xml:3:1: warning: unknown integrator \"adaptive\"; the one inside of it is used instead",
+    );
+}
+
+#[test]
+fn beams_without_width_are_read() {
+    let beam = |inside: &str| file_of(&format!("<emitter type='collimated'>{inside}</emitter>"));
+    check(&beam(""), &[], "");
+    check(&beam("<spectrum name='power' value='3'/>"), &[], "");
+    check(&beam("<rgb name='irradiance' value='1 2 3'/>"), &[], "");
+    check(
+        &beam("<rgb name='irradiance' value='1 2 3'/>\n<rgb name='power' value='1 2 3'/>"),
+        &[],
+        "scene.xml:3:28: \"power\" and \"irradiance\" are the same",
     );
 }
 

@@ -20,6 +20,16 @@ pub(crate) struct View {
     pub(crate) sensor: Sensor,
 }
 
+impl From<View> for super::stages::Stage {
+    fn from(view: View) -> Self {
+        Self {
+            name: view.name,
+            scene: view.scene,
+            sensor: view.sensor,
+        }
+    }
+}
+
 fn ior() -> RelativeIor {
     RelativeIor::new(1.5, 1.0).expect("the indices are positive")
 }

@@ -136,6 +136,7 @@ impl Densities<'_> {
             Event::Emission(EmitterClass::Environment) => {
                 f64::from(lights.environment_density(from, light.position()).0)
             }
+            Event::Emission(EmitterClass::Collimated) => 0.0,
             _ => f64::from(lights.probability(id, from)),
         }
     }

@@ -6,7 +6,7 @@ use lumiflow::bsdf::{
     Bsdf, Conductor, Dielectric, Diffuse, Leaning, MicrofacetKind, Mixture, NormalMap, Null,
     RelativeIor, RoughConductor, Roughness,
 };
-use lumiflow::emitter::{Beam, Constant, Directional, Point, Spot};
+use lumiflow::emitter::{Beam, Collimated, Constant, Directional, Point, Spot};
 use lumiflow::image::{self, Texels};
 use lumiflow::math::{Mat3, Mat4, Rgb, Vec2, Vec3};
 use lumiflow::scene::{Scene, SceneBuilder};
@@ -181,4 +181,38 @@ pub(crate) fn seen_by(stage: &'static str) -> View {
         sensor: stage.sensor,
         ..metals()
     }
+}
+
+/// A beam without width from one point to another.
+///
+/// - `flux`: its power in W.
+pub(crate) fn beam(from: Vec3, to: Vec3, flux: Rgb) -> Collimated {
+    let z = (to - from).normalize();
+    let x = z.any_orthonormal_vector();
+    let axes = [x, z.cross(x), z].map(|axis| axis.extend(0.0));
+    let place = Mat4::from_cols(axes[0], axes[1], axes[2], from.extend(1.0));
+    Collimated::new(place, flux).expect("the beam goes somewhere")
+}
+
+/// Beams without width, one of them by a mirror that is not in the picture, and a weak lamp.
+pub(crate) fn beams() -> View {
+    let mirror = rectangle(Vec3::Y * 3.0, Vec3::X * 0.8, Vec3::Z * 0.8);
+    let silver = Conductor::new(None, Rgb::new(0.9, 0.8, 0.7));
+    let lights = |builder: &mut SceneBuilder| {
+        let onto_floor = beam(
+            Vec3::new(0.8, 1.5, 0.2),
+            Vec3::new(0.7, 0.0, 0.6),
+            Rgb::new(3.0, 2.0, 1.0),
+        );
+        let onto_mirror = beam(
+            Vec3::new(0.9, 1.0, 0.7),
+            Vec3::new(0.4, 3.0, 0.3),
+            Rgb::new(1.0, 2.0, 3.0),
+        );
+        builder.add_emitter(onto_floor);
+        builder.add_emitter(onto_mirror);
+        builder.add_emitter(Point::new(Vec3::new(-0.8, 1.2, 0.8), Rgb::grey(0.2)));
+    };
+    let parts = blocks().into_iter().chain([part(mirror, silver)]);
+    view("beams", scene(parts, lights))
 }

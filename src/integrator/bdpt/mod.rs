@@ -109,6 +109,10 @@ impl Algorithm for Bdpt {
         false
     }
 
+    fn shows_traced_light(&self) -> bool {
+        self.tracing.techniques.light_image
+    }
+
     fn own_layers(&self) -> &'static [&'static str] {
         // Light tracing has one technique for each length.
         if self.light_only { &[] } else { OWN_LAYERS }

@@ -1,10 +1,12 @@
 //! Seeds from subpaths of both sides.
 
 use super::ChainFilm;
+use crate::emitter::EmitterModel;
+use crate::film::PassBuffer;
 use crate::integrator::camera::{CameraSample, pixel_index};
 use crate::math::Vec2;
 use crate::path::{Bidirection, Bidirectional, Connection, Found, LightImage, Path, PathSpace};
-use crate::random::{Numbers, PixelAddress, Purpose, Sampler};
+use crate::random::{Numbers, PixelAddress, Purpose, Sampler, SamplerKind};
 use crate::sensor::CameraRay;
 
 /// A path that two subpaths have made, with the place where it is seen.
@@ -90,5 +92,43 @@ impl ChainFilm<'_> {
         self.trace_both_sides(tracing, workers, camera, samplers, &mut |found| {
             take(found.is_shown.then_some(found.raster), found.path);
         })
+    }
+
+    /// What beams without width light at once, for a further sample of direct light: such samples come from the sensor,
+    /// which does not find it.
+    ///
+    /// - `number`: of the sample of the pixel.
+    /// - `weight`: of the sample.
+    pub(super) fn add_beams(
+        &self,
+        (pixel, number): ((i32, i32), u32),
+        space: &PathSpace<'_>,
+        layer: &PassBuffer,
+        weight: f32,
+    ) {
+        let lights = space.scene.lights();
+        let Some(tracing) = self.seeds.both_sides.filter(|_| lights.has_beams()) else {
+            return;
+        };
+        let direct = Bidirectional {
+            max_depth: tracing.max_depth.min(2),
+            ..tracing
+        };
+        let address = PixelAddress {
+            seed: self.settings.seed,
+            purpose: Purpose::Beam,
+            pixel: pixel_index(&self.settings, pixel.0, pixel.1),
+            sample: number,
+        };
+        let mut light = Sampler::new(SamplerKind::Independent, address);
+        let (image, mut both) = (self.light_image(), Bidirection::default());
+        let mut found = |both: &Bidirection<'_>, connection: &Connection| {
+            let start = both.light.start.as_ref().map(|start| start.emitter);
+            if start.is_some_and(|id| !lights.get(id).class().is_connectable()) {
+                let value = (connection.energy() * weight).to_array();
+                layer.add(&self.settings.filter, connection.raster, value);
+            }
+        };
+        direct.trace_image(space, &mut both, &image, &mut light, true, &mut found);
     }
 }

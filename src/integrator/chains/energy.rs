@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::SeedOptions;
 use crate::integrator::camera::sample_of_film;
 use crate::integrator::pixel::PixelSettings;
-use crate::path::{Path, PathSpace};
-use crate::random::Purpose;
+use crate::path::{Bidirection, LightImage, Path, PathSpace};
+use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
 use crate::scene::Scene;
 use crate::sensor::Sensor;
 
@@ -75,18 +75,41 @@ impl MeanEnergy {
     ) {
         let mut sample = sample_of_film(space.sensor, settings, Purpose::DepositionEnergy, cell);
         let camera = (sample.raster, &sample.ray);
+        // Beams without width are not found from the sensor.
+        let both_sides = seeds.both_sides;
+        if let Some(tracing) = both_sides.filter(|_| space.scene.lights().has_beams()) {
+            let address = PixelAddress {
+                seed: settings.seed,
+                purpose: Purpose::Beam,
+                pixel: cell.0,
+                sample: u32::MAX,
+            };
+            let mut light = Sampler::new(SamplerKind::Independent, address);
+            let image = LightImage::of_film(settings.film_size);
+            let samplers = [&mut sample.sampler, &mut light];
+            let both = &mut Bidirection::default();
+            tracing.trace(space, both, camera, &image, samplers, &mut |_, made| {
+                let luminance = f64::from(made.energy().luminance());
+                self.add_path(seeds, made.edges() as u32, luminance);
+            });
+            return;
+        }
+        let numbers = &mut sample.sampler;
         seeds
             .tracing
-            .trace(space, path, camera, &mut sample.sampler, &mut |found| {
-                let luminance = found.luminance();
-                if !luminance.is_finite() {
-                    return;
-                }
-                self.image += luminance;
-                if seeds.goes_to_chains(found.edges) {
-                    self.chains += luminance;
-                }
+            .trace(space, path, camera, numbers, &mut |found| {
+                self.add_path(seeds, found.edges, found.luminance());
             });
+    }
+
+    fn add_path(&mut self, seeds: &SeedOptions, edges: u32, luminance: f64) {
+        if !luminance.is_finite() {
+            return;
+        }
+        self.image += luminance;
+        if seeds.goes_to_chains(edges) {
+            self.chains += luminance;
+        }
     }
 
     /// Energy of a deposit such that a camera sample leads to a number of deposits in the mean.

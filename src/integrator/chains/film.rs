@@ -313,9 +313,6 @@ impl<'s> ChainFilm<'s> {
         let (Some(samples), Some(place)) = (self.seeds.direct_samples, self.places.direct) else {
             return;
         };
-        if samples == 0 {
-            return;
-        }
         let kind = SamplerKind::Sobol;
         let settings = PixelSettings {
             sampler: kind,
@@ -338,6 +335,7 @@ impl<'s> ChainFilm<'s> {
             tracing.trace(space, path, camera, &mut sample.sampler, &mut add);
             let value = (sum * weight).to_array();
             layers[place].add(&settings.filter, sample.raster, value);
+            self.add_beams((pixel, number), space, &layers[place], weight);
         }
     }
 

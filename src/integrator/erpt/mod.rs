@@ -114,6 +114,10 @@ impl Algorithm for Erpt {
         false
     }
 
+    fn shows_traced_light(&self) -> bool {
+        self.seeds.both_sides.is_some()
+    }
+
     fn own_layers(&self) -> &'static [&'static str] {
         OWN_LAYERS
     }

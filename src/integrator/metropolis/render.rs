@@ -116,6 +116,10 @@ impl<M: Metropolis> Algorithm for M {
         false
     }
 
+    fn shows_traced_light(&self) -> bool {
+        self.options().0.both_sides.is_some()
+    }
+
     fn own_layers(&self) -> &'static [&'static str] {
         OWN_LAYERS
     }

@@ -35,13 +35,15 @@ impl Mmlt {
     /// # Errors
     /// A value of the wrong kind or out of range.
     pub fn from_options(options: &mut OptionReader<'_>) -> Result<Self, OptionError> {
-        let seeds = SeedOptions::of_metropolis(options, false, RR_DEPTH)?;
+        let mut seeds = SeedOptions::of_metropolis(options, false, RR_DEPTH)?;
         let power = options.float("mis_power", 0.1..=100.0, 2.0)?;
+        let tracing = Bidirectional {
+            weighing: Weighing::new(seeds.tracing.heuristic, power),
+            ..from_both_sides(&seeds.tracing)
+        };
+        seeds.both_sides = Some(tracing);
         Ok(Self {
-            tracing: Bidirectional {
-                weighing: Weighing::new(seeds.tracing.heuristic, power),
-                ..from_both_sides(&seeds.tracing)
-            },
+            tracing,
             seeds,
             metropolis: MetropolisOptions::from_options(options)?,
             primary: PrimaryOptions::from_options(options, P_LARGE)?,

@@ -5,7 +5,6 @@ mod sampling;
 
 use super::chains::{ChainFilm, SeedOptions, from_both_sides};
 use super::metropolis::{Metropolis, MetropolisOptions, PrimaryOptions};
-use crate::path::Bidirectional;
 use crate::scene::options::{OptionError, OptionReader};
 use sampling::PrimarySampling;
 
@@ -27,8 +26,6 @@ pub struct Pssmlt {
     metropolis: MetropolisOptions,
     primary: PrimaryOptions,
     target: Target,
-    /// How samples are traced from both sides; `None` for path tracing.
-    both_sides: Option<Bidirectional>,
     /// Whether large steps count as samples of their own, too.
     weigh_large_steps: bool,
 }
@@ -59,9 +56,9 @@ impl Pssmlt {
         if bidirectional && target == Target::Path {
             return Err(options.refused("bidirectional", "false where target is \"path\""));
         }
-        let seeds = SeedOptions::of_metropolis(options, false, 5)?;
+        let mut seeds = SeedOptions::of_metropolis(options, false, 5)?;
+        seeds.both_sides = bidirectional.then(|| from_both_sides(&seeds.tracing));
         Ok(Self {
-            both_sides: bidirectional.then(|| from_both_sides(&seeds.tracing)),
             seeds,
             metropolis: MetropolisOptions::from_options(options)?,
             primary: PrimaryOptions::from_options(options, 0.3)?,

@@ -115,7 +115,7 @@ impl Walk<'_> {
 
 impl Sampling for PrimarySampling<'_> {
     fn bootstrap(&self, plan: &ChainPlan<'_>, samples: Range<u32>) -> (Vec<f64>, Counters) {
-        let mut evaluator = Evaluator::new(plan, self.0.both_sides.as_ref());
+        let mut evaluator = Evaluator::new(plan, self.0.seeds.both_sides.as_ref());
         let mut numbers = PrimaryNumbers::new(self.0.primary.steps, plan);
         let mut found = Evaluation::new();
         let luminance = |sample| {
@@ -129,7 +129,7 @@ impl Sampling for PrimarySampling<'_> {
 
     fn run_chain(&self, plan: &ChainPlan<'_>, index: u32, seed: Seed) -> Counters {
         let pssmlt = self.0;
-        let mut evaluator = Evaluator::new(plan, pssmlt.both_sides.as_ref());
+        let mut evaluator = Evaluator::new(plan, pssmlt.seeds.both_sides.as_ref());
         let mut numbers = PrimaryNumbers::new(pssmlt.primary.steps, plan);
         let mut here = Evaluation::new();
         let mut wanted = Wanted::All;

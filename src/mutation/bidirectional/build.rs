@@ -151,7 +151,7 @@ pub(super) fn emit(
         return Err(Rejection::Dark);
     }
     let class = lights.get(chosen.emitter).class();
-    let is_near = matches!(class, EmitterClass::Area | EmitterClass::Point);
+    let is_near = !matches!(class, EmitterClass::Directional | EmitterClass::Environment);
     let sample = EmitterSample {
         direction: -ray.direction,
         target: is_near.then_some(ray.origin),
@@ -195,6 +195,9 @@ pub(super) fn connect(space: &PathSpace<'_>, path: &mut Path, end: usize) -> Res
     }
     let vertices = path.vertices();
     let (mut from, mut to) = (vertices[end], vertices[end + 1]);
+    if matches!(to.event, Event::Emission(class) if !class.is_connectable()) {
+        return Err(Rejection::Dark);
+    }
     let (direction, _) = space.edge(&from, &to).ok_or(Rejection::Dark)?;
     let finite = |vertex: &PathVertex, to_eye, to_light| {
         let mut vertex = *vertex;

@@ -2,7 +2,7 @@
 
 use super::SectionFault;
 use super::choice::{Kept, Split};
-use crate::path::{Event, Path, PathSpace};
+use crate::path::{Path, PathSpace};
 
 /// A path with the vertices that a mutation makes in it.
 #[derive(Clone, Copy)]
@@ -61,10 +61,7 @@ impl Section<'_> {
         if end == last {
             return space.can_be_met(self.path).then_some(density);
         }
-        let is_open = |index: usize| match vertices[index].event {
-            Event::Finite | Event::Measurement | Event::Emission(_) => true,
-            Event::Specular(_) | Event::Null(_) => false,
-        };
+        let is_open = |index: usize| vertices[index].event.is_connectable();
         if !is_open(end) || !is_open(end + 1) {
             return None;
         }

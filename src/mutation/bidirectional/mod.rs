@@ -208,8 +208,7 @@ impl BidirectionalMutation {
 /// - `both_sides`: by subpaths from both sides; if not, by path tracing.
 fn has_seeds(path: &Path, both_sides: bool) -> bool {
     let (vertices, last) = (path.vertices(), path.edges());
-    // The lens and a light's point can be connected.
-    let is_open = |index: usize| !vertices[index].event.is_dirac();
+    let is_open = |index: usize| vertices[index].event.is_connectable();
     match vertices[last].event {
         Event::Emission(class) if class.is_dirac() => {
             let first = if both_sides { 0 } else { last - 1 };

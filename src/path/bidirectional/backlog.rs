@@ -55,6 +55,9 @@ impl Bidirectional {
         let (ray, id) = (&start.ray, start.emitter);
         let lights = space.scene.lights();
         let class = lights.get(id).class();
+        if !class.is_connectable() {
+            return Backlog::default();
+        }
         let from = met.point.position;
         let cos = f64::from(met.point.geometric_normal.dot(met.back).abs());
         let distance_squared = f64::from(met.distance).powi(2);
@@ -63,7 +66,7 @@ impl Bidirectional {
         let point = f64::from(ray.density.point.0);
         let direction = f64::from(ray.density.direction.0);
         let (own, made, per_area) = match class {
-            EmitterClass::Area | EmitterClass::Point => {
+            EmitterClass::Area | EmitterClass::Point | EmitterClass::Collimated => {
                 let light_cos = ray.surface.map_or(1.0, |at| {
                     f64::from(at.geometric_normal.dot(ray.direction).abs())
                 });

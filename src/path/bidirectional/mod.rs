@@ -65,6 +65,17 @@ pub struct LightImage {
 }
 
 impl LightImage {
+    /// Light subpaths that are seen on the film alone, one for each of its pixels.
+    ///
+    /// - `size`: its columns and rows.
+    pub fn of_film((width, height): (u32, u32)) -> Self {
+        Self {
+            paths: f64::from(width) * f64::from(height),
+            low: Vec2::ZERO,
+            high: Vec2::new(width as f32, height as f32),
+        }
+    }
+
     /// Whether what is seen at a raster position counts.
     #[inline]
     fn contains(&self, raster: Vec2) -> bool {

@@ -5,16 +5,17 @@ mod daylight;
 use super::loader::Loader;
 use super::xml::{ColourSource, ColourUse, ElementId, ElementReader};
 use crate::emitter::{
-    Beam, Constant, Directional, Emitter, EmitterClass, EmitterError, EmitterModel, Envmap, Point,
-    Projector, Spot,
+    Beam, Collimated, Constant, Directional, Emitter, EmitterClass, EmitterError, EmitterModel,
+    Envmap, Point, Projector, Spot,
 };
 use crate::math::{Rgb, Transform, Vec2, Vec3};
 use crate::sensor::PerspectiveSettings;
 use crate::texture::{Texture, TextureModel};
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 10] = [
+const KNOWN: [&str; 11] = [
     "area",
+    "collimated",
     "constant",
     "directional",
     "envmap",
@@ -41,11 +42,7 @@ impl Loader<'_> {
             }
             "envmap" => self.envmap(&mut reader),
             "projector" => self.projector(&mut reader),
-            "collimated" => {
-                let message = "a beam without width: no path from the eye can find it; left out";
-                self.problems.replacement(self.location(id), message);
-                return;
-            }
+            "collimated" => collimated(&mut reader),
             "area" => {
                 self.problems
                     .error(self.location(id), "emitter \"area\" belongs into a shape");
@@ -177,6 +174,7 @@ impl Loader<'_> {
     fn envmap(&mut self, reader: &mut ElementReader<'_>) -> Option<Emitter> {
         let to_world: Transform = reader.transform("to_world");
         let scale = reader.float("scale", 1.0);
+        reader.ignore(&["mis_compensation"]);
         let file = reader.file("filename")?;
         let location = reader.element().location.clone();
         let bitmap = self.read_bitmap(&file, &location)?;
@@ -198,4 +196,17 @@ fn noted<E: Into<Emitter>>(
         .map(E::into)
         .map_err(|error| reader.error(property, error.to_string()))
         .ok()
+}
+
+/// A beam without width. Its flux is called `power`; `irradiance`, as of parallel light, means the same.
+fn collimated(reader: &mut ElementReader<'_>) -> Option<Emitter> {
+    let to_world = reader.transform("to_world");
+    let names = ["power", "irradiance"];
+    let [power, irradiance] = names.map(|name| reader.colour(name, ColourUse::Emission));
+    if power.is_some() && irradiance.is_some() {
+        reader.error("irradiance", "\"power\" and \"irradiance\" are the same");
+        return None;
+    }
+    let flux = power.or(irradiance).unwrap_or(Rgb::WHITE);
+    noted(reader, "to_world", Collimated::new(to_world.matrix(), flux))
 }

@@ -26,6 +26,15 @@ impl Loader<'_> {
                 request.aovs.retain(|name| !name.is_empty());
             }
             "moment" => request.second_moment = true,
+            plugin if inner.is_some() => {
+                let message = format!(
+                    "unknown integrator \"{plugin}\"; the one inside of it is used instead"
+                );
+                for property in &element.properties {
+                    reader.ignore(&[&property.name.normalised]);
+                }
+                reader.replacement("", message);
+            }
             _ => {
                 request.name.clone_from(&element.plugin);
                 request.location = Some(element.location.clone());

@@ -15,13 +15,14 @@ use crate::shape::{self, Curves, Cylinder, Disk, Shape, ShapeError, Sphere};
 use crate::texture::Texture;
 
 /// The plugins that are read, for "did you mean".
-const KNOWN: [&str; 12] = [
+const KNOWN: [&str; 13] = [
     "bsplinecurve",
     "cube",
     "cylinder",
     "disk",
     "instance",
     "linearcurve",
+    "merge",
     "obj",
     "ply",
     "rectangle",
@@ -50,6 +51,7 @@ impl Loader<'_> {
                 self.group(id);
             }
             "instance" => self.instance(id),
+            "merge" => self.merged(id),
             _ => {
                 let Some(built) = self.single_shape(id) else {
                     return;
@@ -68,6 +70,7 @@ impl Loader<'_> {
         let mut reader = self.reader(id);
         let bsdfs = reader.children(ElementKind::Bsdf);
         let emitter = reader.child(ElementKind::Emitter);
+        reader.ignore(&["silhouette_sampling_weight"]);
         self.media_of(&mut reader);
         if bsdfs.len() > 1 {
             reader.warning(

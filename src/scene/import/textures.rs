@@ -145,7 +145,7 @@ impl Loader<'_> {
         let filter = reader.choice("filter_type", &filters, Filter::Bilinear);
         let raw = reader.boolean("raw", false);
         let gamma = reader.optional_float("gamma");
-        reader.ignore(&["max_anisotropy", "cache", "format"]);
+        reader.ignore(&["max_anisotropy", "cache", "format", "accel"]);
         let location = reader.element().location.clone();
         let bitmap = self.read_bitmap(&file?, &location)?;
         let as_if = |transfer| Arc::new(bitmap.as_ref().clone().with_transfer(transfer));

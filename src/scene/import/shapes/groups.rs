@@ -5,6 +5,9 @@ use super::super::xml::{ElementId, ElementKind};
 use crate::scene::{BsdfId, GroupId};
 use crate::shape::Shape;
 
+/// Shapes that hold other shapes.
+pub(super) const HOLDERS: [&str; 3] = ["instance", "merge", "shapegroup"];
+
 impl Loader<'_> {
     /// Builds a group once; `None` when it holds nothing that an instance could place.
     pub(super) fn group(&mut self, id: ElementId) -> Option<GroupId> {
@@ -28,10 +31,7 @@ impl Loader<'_> {
 
     /// Builds a shape of a group.
     fn member(&mut self, id: ElementId) -> Option<(Shape, BsdfId)> {
-        if matches!(self.tree[id].plugin.as_str(), "shapegroup" | "instance") {
-            let title = self.tree[id].title();
-            let message = format!("found {title} in a shapegroup, expected a shape by itself");
-            self.problems.error(self.location(id), message);
+        if !self.is_single(id, "shapegroup") {
             return None;
         }
         let built = self.single_shape(id)?;
@@ -43,6 +43,30 @@ impl Loader<'_> {
         }
         self.members.push(id);
         Some((built.shape, built.bsdf))
+    }
+
+    /// Adds the shapes of a `merge` to the scene, each as it is: one mesh of several would look the same.
+    pub(super) fn merged(&mut self, id: ElementId) {
+        let mut reader = self.reader(id);
+        let members = reader.children(ElementKind::Shape);
+        reader.finish();
+        for member in members {
+            if self.is_single(member, "merge") {
+                self.shape(member);
+            }
+        }
+    }
+
+    /// True for a shape that holds no others; notes that one which does has no place in another.
+    fn is_single(&self, id: ElementId, parent: &str) -> bool {
+        let element = &self.tree[id];
+        let is_single = !HOLDERS.contains(&element.plugin.as_str());
+        if !is_single {
+            let title = element.title();
+            let message = format!("found {title} in a {parent}, expected a shape by itself");
+            self.problems.error(self.location(id), message);
+        }
+        is_single
     }
 
     /// Places a group in the world.

@@ -10,6 +10,7 @@ use super::super::loader::Loader;
 use super::super::mesh::serialized::SerializedFile;
 use super::super::mesh::{ImportedMesh, obj, ply};
 use super::super::xml::{ElementId, ElementKind, ElementReader};
+use super::groups::HOLDERS;
 use crate::math::Mat4;
 use crate::shape::mesh::{MeshAttribute, MeshData};
 use crate::shape::{Shape, TriangleMesh};
@@ -97,10 +98,10 @@ impl Loader<'_> {
                 let request = mesh_request(&mut self.reader(id));
                 requests.extend(request.map(|request| (id, request)));
             }
-            "shapegroup" => {
+            "shapegroup" | "merge" => {
                 for member in self.reader(id).children(ElementKind::Shape) {
                     // Groups hold no groups; one that does is told of when it is built.
-                    if self.tree[member].plugin != "shapegroup" {
+                    if !HOLDERS.contains(&self.tree[member].plugin.as_str()) {
                         self.request_meshes(member, requests);
                     }
                 }
