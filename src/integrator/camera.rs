@@ -1,7 +1,7 @@
 //! Where camera samples lie, and the random numbers that belong to them.
 
 use super::pixel::PixelSettings;
-use crate::math::Vec2;
+use crate::math::{Vec2, warp};
 use crate::random::{PixelAddress, Purpose, Sampler};
 use crate::sensor::{CameraRay, Sensor, SensorModel};
 
@@ -101,7 +101,8 @@ impl CameraSample {
         };
         let mut sampler = Sampler::new(settings.sampler, address);
         let offset = offset_in_pixel(settings, purpose, sample, &mut sampler);
-        let raster = Vec2::new(x as f32, y as f32) + offset;
+        let corner = Vec2::new(x as f32, y as f32);
+        let raster = warp::stretch(offset, corner, corner + 1.0);
         let ray = sensor.sample_ray(raster, sampler.next_2d());
         Self {
             raster,

@@ -10,6 +10,30 @@ use super::{Vec2, Vec3};
 /// The largest `f32` below one: keeps uniform numbers inside `[0, 1)` after arithmetic.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
+/// A point of the unit square, stretched over a rectangle.
+///
+/// Never reaches the upper corner, which is the next pixel's: without care the last places of a pixel are
+/// rounded there, one in ten thousand at column 4095.
+///
+/// - `low`, `high`: the rectangle's corners.
+#[inline]
+pub fn stretch(u: Vec2, low: Vec2, high: Vec2) -> Vec2 {
+    (low + (high - low) * u).min(Vec2::new(below(high.x), below(high.y)))
+}
+
+/// The largest number below another; zero has none that is not flushed to it, and keeps its place.
+#[inline]
+fn below(limit: f32) -> f32 {
+    let bits = limit.to_bits();
+    f32::from_bits(if limit > 0.0 {
+        bits - 1
+    } else if limit < 0.0 {
+        bits + 1
+    } else {
+        bits
+    })
+}
+
 /// Uniform on the unit disk, with little distortion of neighbouring strata.
 ///
 /// Source: Shirley & Chiu 1997.
@@ -209,6 +233,19 @@ mod tests {
         (0..40).flat_map(|i| {
             (0..40).map(move |j| Vec2::new((i as f32 + 0.37) / 40.0, (j as f32 + 0.61) / 40.0))
         })
+    }
+
+    #[test]
+    fn stretching_never_reaches_the_upper_corner() {
+        let last = Vec2::splat(ONE_MINUS_EPSILON);
+        for corner in [-2000.0, -16.0, -3.0, -1.0, 0.0, 15.0, 4095.0, 16_383.0, 65_535.0_f32] {
+            let (low, high) = (Vec2::splat(corner), Vec2::splat(corner + 1.0));
+            let found = stretch(last, low, high);
+            assert!(low.cmple(found).all() && found.cmplt(high).all(), "{found}");
+            assert_eq!(stretch(Vec2::ZERO, low, high), low);
+            assert_eq!(stretch(Vec2::splat(0.5), low, high), low + 0.5);
+        }
+        assert_eq!(stretch(last, Vec2::ZERO, Vec2::ONE), last);
     }
 
     fn check(warp: impl Fn(Vec2) -> Vec2) {

@@ -7,7 +7,7 @@ use crate::integrator::aov;
 use crate::integrator::camera::{CameraSample, SampledWindow};
 use crate::integrator::metropolis::Importance;
 use crate::integrator::pixel::PixelSettings;
-use crate::math::{Rgb, Vec2};
+use crate::math::{Rgb, Vec2, warp};
 use crate::mutation::RasterDomain;
 use crate::path::{Found, Path, PathSpace, PathTracing, camera_sample};
 use crate::random::{Numbers, Purpose, SamplerKind};
@@ -141,7 +141,7 @@ impl<'s> ChainFilm<'s> {
     /// Raster position of a point of the unit square, stretched over where paths are seen.
     #[inline]
     pub(in crate::integrator) fn raster_of(&self, place: Vec2) -> Vec2 {
-        self.domain.low + (self.domain.high - self.domain.low) * place
+        warp::stretch(place, self.domain.low, self.domain.high)
     }
 
     /// Traces a camera sample whose place is a point of the unit square, stretched over where paths are seen; hands

@@ -3,7 +3,7 @@
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, Transport};
 use crate::emitter::{EmitterClass, EmitterModel, EmitterSample};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Vec2, Vec3, warp};
 use crate::mutation::{RasterDomain, Rejection};
 use crate::path::{Event, Path, PathSpace, PathVertex};
 use crate::random::Stream;
@@ -47,7 +47,7 @@ fn scatter(
 
 /// Where the sensor's side begins: a new place on the image and on the lens.
 fn look(space: &PathSpace<'_>, domain: &RasterDomain, path: &mut Path, random: &mut Stream) -> Ray {
-    let raster = domain.low + (domain.high - domain.low) * random.next_vec2();
+    let raster = warp::stretch(random.next_vec2(), domain.low, domain.high);
     let ray = space.sensor.sample_ray(raster, random.next_vec2());
     path.start(ray.origin, raster);
     ray.to_ray()
