@@ -168,7 +168,7 @@ fn generate_bindings(installation: &Installation) -> Result<(), Box<dyn Error>> 
         .allowlist_function("rtc(New|Release)(Device|Scene|Geometry)")
         .allowlist_function("rtcCommit(Scene|Geometry)")
         .allowlist_function("rtcGetDevice(Error|Property)")
-        .allowlist_function("rtcSetDeviceErrorFunction")
+        .allowlist_function("rtcSetDevice(Error|MemoryMonitor)Function")
         .allowlist_function("rtcSetScene(Flags|BuildQuality)")
         .allowlist_function("rtcGetSceneBounds")
         .allowlist_function("rtcAttachGeometryByID")

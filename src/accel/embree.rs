@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use embree4_sys::{CommittedScene, Device, Hit, SceneBuilder};
+use embree4_sys::{CommittedScene, Device, Hit, MemoryUse, SceneBuilder};
 
 use super::{AccelError, Engine, Geometry, Instance, Ray};
 use crate::math::Vec3;
@@ -38,6 +38,11 @@ impl EmbreeAccel {
         Ok(Self {
             scene: world.commit()?,
         })
+    }
+
+    /// As [`super::Accel::memory`].
+    pub(super) fn memory(&self) -> MemoryUse {
+        self.scene.device().memory()
     }
 
     /// As [`super::Accel::intersect`].

@@ -10,7 +10,7 @@ mod ray;
 use std::fmt;
 
 pub use embree::versions;
-pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, VertexBuffer};
+pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, MemoryUse, VertexBuffer};
 pub use obvhs::VERSION as OBVHS_VERSION;
 pub use ray::Ray;
 
@@ -153,6 +153,12 @@ impl Accel {
             Built::Embree(_) => Engine::Embree,
             Built::Obvhs(_) => Engine::Obvhs,
         }
+    }
+
+    /// What the search structure takes, in bytes, without the buffers that it shares; of obvhs's, what
+    /// building took is not known and left out.
+    pub fn memory(&self) -> MemoryUse {
+        forward!(self, accel => accel.memory())
     }
 
     /// The closest hit.

@@ -40,9 +40,26 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
+/// A number of bytes for people: `12.3 MiB`, `1.50 GiB`.
+pub(super) fn size(bytes: u64) -> String {
+    let mebibytes = bytes as f64 / f64::from(1 << 20);
+    if mebibytes < 1000.0 {
+        format!("{mebibytes:.1} MiB")
+    } else {
+        format!("{:.2} GiB", mebibytes / 1024.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_are_as_exact_as_people_want_them() {
+        assert_eq!(size(12_897_485), "12.3 MiB");
+        assert_eq!(size(3 << 29), "1.50 GiB");
+        assert_eq!(size(0), "0.0 MiB");
+    }
 
     #[test]
     fn durations_are_as_exact_as_people_want_them() {

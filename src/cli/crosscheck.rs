@@ -30,7 +30,8 @@ pub(super) fn run(args: &CrosscheckArgs) -> Result<u8, Failure> {
     let threads = args.threads.map_or_else(execute::all_cores, usize::from);
     let pool = execute::pool(threads)?;
     pool.install(|| {
-        let mut imported = args.scene.load(&args.file, args.quiet, Engine::Embree)?;
+        let loaded = args.scene.load(&args.file, args.quiet, Engine::Embree)?;
+        let mut imported = loaded.imported;
         let warnings = std::mem::take(&mut imported.warnings);
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);
         notes.settle()?;

@@ -14,7 +14,7 @@ use super::plan::Plan;
 use super::signals::Interruption;
 use crate::accel;
 use crate::film::{Filter, Layer};
-use crate::integrator::{PixelSettings, Progress, Rendered, render};
+use crate::integrator::{PixelSettings, Progress, Rendered, film_memory, render};
 use crate::output::Run;
 use crate::scene::import::{Imported, View};
 
@@ -71,6 +71,10 @@ pub(super) struct Finished {
     pub(super) rendered: Rendered,
     /// What it took, preparations of the integrator included, without loading and writing.
     pub(super) run: Run,
+    /// Seconds of the integrator's preparations.
+    pub(super) prepare_seconds: f64,
+    /// Memory of the film, in bytes.
+    pub(super) film_memory: u64,
     /// By how many seconds the time was overrun.
     pub(super) overrun: Option<f64>,
 }
@@ -84,11 +88,13 @@ impl Job<'_> {
         let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
         let (scene, sensor) = (&self.imported.scene, &self.view.sensor);
         let work = self.plan.integrator.start(scene, sensor, self.settings());
+        let prepare_seconds = start.elapsed().as_secs_f64();
         let elapsed = || self.elapsed(start, cpu);
+        let keep_variance = |layer: &Layer| self.plan.variance && work.has_variance(layer);
+        let film_memory = film_memory(&*work, keep_variance);
         let mut budget = Budget::new(self.goal, elapsed());
         let progress = Progress::default();
         let mut passes = || {
-            let keep_variance = |layer: &Layer| self.plan.variance && work.has_variance(layer);
             let cancelled = interruption.cancelled();
             render(&*work, keep_variance, cancelled, &progress, |step| {
                 if budget.allows_another(step.passes, elapsed()) {
@@ -120,6 +126,8 @@ impl Job<'_> {
                 cpu_seconds: cpu_seconds.map_or(f64::NAN, |time| time.as_secs_f64()),
                 threads: self.threads,
             },
+            prepare_seconds,
+            film_memory,
             overrun: budget.overrun(of_goal).map(|over| over.as_secs_f64()),
         }
     }

@@ -1,17 +1,17 @@
 //! `lumiflow info`.
 
-use std::time::Instant;
-
 use serde_json::{Value, json};
 
 use super::args::InfoArgs;
-use super::console::{duration, print_line, say};
+use super::console::{duration, print_line, say, size};
 use super::failure::Failure;
+use super::scenes::{LoadCost, Loaded};
+use super::summary::scene_memory;
 use crate::accel::Geometry;
 use crate::emitter::{Emitter, EmitterClass, EmitterModel};
 use crate::scene::import::xml::Diagnostic;
 use crate::scene::import::{Imported, View};
-use crate::scene::{Object, Scene};
+use crate::scene::{Object, Scene, SceneMemory};
 use crate::shape::ShapeModel;
 
 /// What a scene holds.
@@ -23,10 +23,8 @@ struct Contents {
     instanced_triangles: usize,
     materials: usize,
     lights: [(&'static str, usize); 5],
-    load_seconds: f64,
-    build_seconds: f64,
-    /// Largest memory of the process so far, in bytes, where the system tells.
-    memory: Option<u64>,
+    memory: SceneMemory,
+    cost: LoadCost,
 }
 
 /// Loads a scene and tells what is in it.
@@ -34,12 +32,10 @@ struct Contents {
 /// # Errors
 /// A file that cannot be read, or a scene that cannot be rendered.
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let start = Instant::now();
-    let imported = args
+    let Loaded { imported, cost } = args
         .scene
         .load(&args.file, args.json, args.tracer.engine())?;
-    let load_seconds = start.elapsed().as_secs_f64();
-    let contents = Contents::of(&imported.scene, load_seconds)?;
+    let contents = Contents::of(&imported.scene, cost);
     if args.json {
         return print_line(&json_line(args, &imported, &contents).to_string());
     }
@@ -50,9 +46,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
 }
 
 impl Contents {
-    fn of(scene: &Scene, load_seconds: f64) -> Result<Self, Failure> {
-        let memory = peak_memory();
-        let build_seconds = build_seconds(scene)?;
+    fn of(scene: &Scene, cost: LoadCost) -> Self {
         let placed = scene.instances().iter();
         let placed = placed.map(|instance| triangles(scene.objects_of(instance)));
         let of_class = |class| {
@@ -61,7 +55,7 @@ impl Contents {
                 .filter(|emitter: &&Emitter| emitter.class() == class)
                 .count()
         };
-        Ok(Self {
+        Self {
             triangles: triangles(scene.objects()),
             objects: scene.objects().len(),
             instances: scene.instances().len(),
@@ -74,10 +68,14 @@ impl Contents {
                 ("collimated", of_class(EmitterClass::Collimated)),
                 ("environment", of_class(EmitterClass::Environment)),
             ],
-            load_seconds,
-            build_seconds,
-            memory,
-        })
+            memory: scene.memory(),
+            cost,
+        }
+    }
+
+    /// Largest memory of the process while loading, in bytes, where the system tells.
+    fn peak(&self) -> Option<u64> {
+        self.cost.memory.map(|memory| memory.peak)
     }
 
     fn light_count(&self) -> usize {
@@ -92,24 +90,6 @@ fn triangles(objects: &[Object]) -> usize {
         _ => 0,
     });
     of_each.sum()
-}
-
-/// Seconds to build the search structure, by building it once more.
-fn build_seconds(scene: &Scene) -> Result<f64, Failure> {
-    let start = Instant::now();
-    let built = scene.build_anew();
-    built.map_err(|error| Failure::File(error.to_string()))?;
-    Ok(start.elapsed().as_secs_f64())
-}
-
-/// Largest resident memory of this process so far, in bytes.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }
 
 fn json_line(args: &InfoArgs, imported: &Imported, contents: &Contents) -> Value {
@@ -142,9 +122,10 @@ fn json_line(args: &InfoArgs, imported: &Imported, contents: &Contents) -> Value
         "sensors": imported.views.iter().map(view).collect::<Vec<_>>(),
         "integrator": imported.integrator.name,
         "accel": args.tracer.engine().name(),
-        "memory_bytes": contents.memory,
-        "load_s": contents.load_seconds,
-        "build_s": contents.build_seconds,
+        "memory_bytes": contents.peak(),
+        "memory": scene_memory(contents.memory),
+        "load_s": contents.cost.seconds,
+        "build_s": contents.cost.build_seconds,
         "warnings": warnings.map(Diagnostic::to_string).collect::<Vec<_>>(),
     })
 }
@@ -180,18 +161,17 @@ fn table(args: &InfoArgs, imported: &Imported, contents: &Contents) -> String {
     };
     rows.push(("integrator", integrator));
     rows.push(("accel", args.tracer.engine().name().to_owned()));
-    let memory = contents.memory.map_or_else(
-        || "unknown".to_owned(),
-        |bytes| {
-            format!(
-                "{:.1} MiB at most while loading",
-                bytes as f64 / f64::from(1 << 20)
-            )
-        },
-    );
-    rows.push(("memory", memory));
-    let build = duration(contents.build_seconds);
-    let load = duration(contents.load_seconds);
+    let peak = contents.peak().map_or_else(String::new, |bytes| {
+        format!("; {} at most while loading", size(bytes))
+    });
+    let tree = size(contents.memory.tree.held);
+    let held = size(contents.memory.held());
+    rows.push((
+        "memory",
+        format!("{held}, of which {tree} for the search structure{peak}"),
+    ));
+    let build = duration(contents.cost.build_seconds);
+    let load = duration(contents.cost.seconds);
     rows.push((
         "loading",
         format!("{load}, of which {build} for the search structure"),

@@ -13,6 +13,7 @@ mod execute;
 mod failure;
 mod help;
 mod info;
+mod memory;
 mod monitor;
 mod notes;
 mod outputs;

@@ -1,7 +1,7 @@
 //! `lumiflow render`.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::args::{CompressionName, RenderArgs};
 use super::budget::Goal;
@@ -69,10 +69,10 @@ struct Session<'a> {
 impl Session<'_> {
     /// Renders one scene and writes its files.
     fn render(&self, target: &Target) -> Result<(), Failure> {
-        let (args, loading) = (self.args, Instant::now());
+        let args = self.args;
         let engine = args.tracer.engine();
-        let mut imported = args.scene.load(&target.scene, args.quiet, engine)?;
-        let load_seconds = loading.elapsed().as_secs_f64();
+        let loaded = args.scene.load(&target.scene, args.quiet, engine)?;
+        let (mut imported, load) = (loaded.imported, loaded.cost);
         let warnings = std::mem::take(&mut imported.warnings);
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);
         let view = self.view(&imported, target)?;
@@ -104,8 +104,7 @@ impl Session<'_> {
             imported: &imported,
             plan: &plan,
             view,
-            rendered: &finished.rendered,
-            run: finished.run,
+            finished: &finished,
             seed: args.seed,
             filter: job.filter.kind().name(),
         };
@@ -123,7 +122,7 @@ impl Session<'_> {
         }
         if args.json {
             let interrupted = self.interruption.exit_code().is_some();
-            let json = record.json(&notes, &image, load_seconds, interrupted);
+            let json = record.json(&notes, &image, &load, interrupted);
             print_line(&json.to_string())?;
         }
         Ok(())

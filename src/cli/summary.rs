@@ -3,14 +3,17 @@
 use serde_json::{Map, Value, json};
 
 use super::console::duration;
+use super::execute::Finished;
+use super::memory::resident;
 use super::notes::Notes;
 use super::outputs::Target;
 use super::plan::Plan;
+use super::scenes::LoadCost;
 use crate::image::Image;
-use crate::integrator::Rendered;
 use crate::mutation::{Move, Rejection};
-use crate::output::{Record, Run};
+use crate::output::Record;
 use crate::report::option_value;
+use crate::scene::SceneMemory;
 use crate::scene::import::{Imported, View};
 
 /// A finished render.
@@ -19,8 +22,7 @@ pub(super) struct Summary<'a> {
     pub(super) imported: &'a Imported,
     pub(super) plan: &'a Plan,
     pub(super) view: &'a View,
-    pub(super) rendered: &'a Rendered,
-    pub(super) run: Run,
+    pub(super) finished: &'a Finished,
     pub(super) seed: u64,
     pub(super) filter: &'static str,
 }
@@ -28,7 +30,7 @@ pub(super) struct Summary<'a> {
 impl Summary<'_> {
     /// For the EXR file.
     pub(super) fn record(&self, notes: &Notes) -> Record {
-        let counters = self.rendered.counters;
+        let counters = self.finished.rendered.counters;
         Record {
             scene: self.target.name.clone(),
             scene_hash: self.imported.hash,
@@ -38,15 +40,15 @@ impl Summary<'_> {
             sampler: self.view.sampler.name().to_owned(),
             filter: self.filter.to_owned(),
             seed: self.seed,
-            passes: self.rendered.passes,
-            samples: self.rendered.passes,
+            passes: self.finished.rendered.passes,
+            samples: self.finished.rendered.passes,
             paths: counters.paths,
             rays: counters.rays,
             rejected: counters.rejected,
             chains: counters.chains,
             mutations: counters.mutations,
             replaced: notes.replaced(),
-            run: self.run,
+            run: self.finished.run,
         }
     }
 
@@ -61,14 +63,14 @@ impl Summary<'_> {
     }
 
     fn line(&self) -> String {
-        let counters = self.rendered.counters;
-        let per_second = |count: u64| count as f64 / self.run.wall_seconds.max(1e-9) / 1e6;
+        let counters = self.finished.rendered.counters;
+        let per_second = |count: u64| count as f64 / self.finished.run.wall_seconds.max(1e-9) / 1e6;
         let files: Vec<String> = self.files();
         format!(
             "{}: {} samples a pixel in {}, {:.2} Msamples/s, {:.2} Mrays/s; wrote {}",
             self.target.name,
-            self.rendered.passes,
-            duration(self.run.wall_seconds),
+            self.finished.rendered.passes,
+            duration(self.finished.run.wall_seconds),
             per_second(counters.paths),
             per_second(counters.rays),
             files.join(", ")
@@ -80,7 +82,7 @@ impl Summary<'_> {
         &self,
         notes: &Notes,
         image: &Image,
-        load_seconds: f64,
+        load: &LoadCost,
         interrupted: bool,
     ) -> Value {
         let record = self.record(notes);
@@ -95,36 +97,49 @@ impl Summary<'_> {
             "options": options,
             "accel": record.accel,
             "seed": record.seed,
-            "threads": self.run.threads,
-            "load_s": load_seconds,
-            "wall_s": self.run.wall_seconds,
-            "cpu_s": self.run.cpu_seconds,
+            "threads": self.finished.run.threads,
+            "load_s": load.seconds,
+            "build_s": load.build_seconds,
+            "prepare_s": self.finished.prepare_seconds,
+            "wall_s": self.finished.run.wall_seconds,
+            "cpu_s": self.finished.run.cpu_seconds,
             "passes": record.passes,
             "spp": record.samples,
             "paths": record.paths,
             "rays": record.rays,
             "mean": mean(image),
+            "memory": self.memory(load),
             "rejected": record.rejected,
             "interrupted": interrupted,
             "replaced": record.replaced,
             "warnings": notes.lines(),
         });
-        if record.chains > 0 || self.rendered.counters.mutation_count() > 0 {
+        if record.chains > 0 || self.finished.rendered.counters.mutation_count() > 0 {
             json["chains"] = record.chains.into();
             json["mutations"] = mutations(&record);
         }
         json
     }
 
+    /// Where memory went, in bytes.
+    fn memory(&self, load: &LoadCost) -> Value {
+        let mut memory = scene_memory(self.imported.scene.memory());
+        memory["film"] = self.finished.film_memory.into();
+        memory["loaded"] = load.memory.map(|memory| memory.now).into();
+        memory["load_peak"] = load.memory.map(|memory| memory.peak).into();
+        memory["peak"] = resident().map(|memory| memory.peak).into();
+        memory
+    }
+
     /// What became of the chains' mutations, for people; `None` where there were none.
     fn mutation_lines(&self, notes: &Notes) -> Option<String> {
-        let counters = &self.rendered.counters;
+        let counters = &self.finished.rendered.counters;
         let text = self.record(notes).mutations_text();
         (!text.is_empty()).then(|| {
             format!(
                 "{} chains, {:.2} Mmutations/CPU s\n  {}",
                 counters.chains,
-                counters.mutation_count() as f64 / 1e6 / self.run.cpu_seconds.max(1e-9),
+                counters.mutation_count() as f64 / 1e6 / self.finished.run.cpu_seconds.max(1e-9),
                 text.replace('\n', "\n  ")
             )
         })
@@ -134,6 +149,17 @@ impl Summary<'_> {
         let files = self.target.files.iter();
         files.map(|file| file.display().to_string()).collect()
     }
+}
+
+/// What a scene takes, in bytes.
+pub(super) fn scene_memory(memory: SceneMemory) -> Value {
+    json!({
+        "tree": memory.tree.held,
+        "tree_peak": memory.tree.peak,
+        "buffers": memory.buffers,
+        "surfaces": memory.surfaces,
+        "pictures": memory.pictures,
+    })
 }
 
 /// What became of the mutations, by kind.

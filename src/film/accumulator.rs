@@ -56,6 +56,16 @@ impl Accumulator {
         }
     }
 
+    /// Memory of the sums, in bytes.
+    ///
+    /// - `values`: number of pixels times number of channels.
+    /// - `has_spread`: whether the spread of replicas is kept.
+    pub const fn memory(values: u64, has_spread: bool) -> u64 {
+        let of_spread = size_of::<i64>() + size_of::<i128>();
+        let bytes = size_of::<i64>() + if has_spread { of_spread } else { 0 };
+        values * bytes as u64
+    }
+
     /// Adds a pass, and empties its buffer.
     pub fn fold(&mut self, pass: &mut PassBuffer) {
         self.passes += 1;

@@ -57,6 +57,13 @@ impl PassBuffer {
         }
     }
 
+    /// Memory of the sums, in bytes.
+    ///
+    /// - `values`: number of pixels times number of channels.
+    pub const fn memory(values: u64) -> u64 {
+        values * size_of::<AtomicI64>() as u64
+    }
+
     /// Adds an estimate at a raster position to every pixel that the filter reaches.
     ///
     /// - `raster`: in pixels of the full film.

@@ -155,6 +155,17 @@ impl Bitmap {
         self.channels
     }
 
+    /// Memory that it takes, in bytes.
+    pub fn memory(&self) -> u64 {
+        let texels = match &self.texels {
+            Texels::U8(codes) => size_of_val(codes.as_slice()),
+            Texels::U16(codes) => size_of_val(codes.as_slice()),
+            Texels::Half(values) => size_of_val(values.as_slice()),
+            Texels::Float(values) => size_of_val(values.as_slice()),
+        };
+        (texels + size_of_val(self.table.as_slice())) as u64
+    }
+
     /// The stored values.
     pub fn texels(&self) -> &Texels {
         &self.texels

@@ -31,7 +31,7 @@ pub use path::PathTracer;
 pub use pixel::{Estimate, PixelIntegrator, PixelRender, PixelSettings};
 pub use pmc_er::PmcEr;
 pub use pssmlt::Pssmlt;
-pub use render::{Counters, Driver, Integrator, Progress, Rendered, Step, render};
+pub use render::{Counters, Driver, Integrator, Progress, Rendered, Step, film_memory, render};
 
 use crate::path::Heuristic;
 use crate::scene::Scene;

@@ -209,6 +209,20 @@ pub struct Rendered {
     pub counters: Counters,
 }
 
+/// Memory of the film that [`render`] sets aside, in bytes: for each value of each layer the sums of a
+/// pass and of all passes, and what tells their spread.
+///
+/// - `keep_variance`: as for [`render`].
+pub fn film_memory(integrator: &dyn Integrator, keep_variance: impl Fn(&Layer) -> bool) -> u64 {
+    let pixels = integrator.window().pixel_count() as u64;
+    let layers = integrator.layers();
+    let of_layer = |layer: &Layer| {
+        let values = pixels * layer.channels.len() as u64;
+        PassBuffer::memory(values) + Accumulator::memory(values, keep_variance(layer))
+    };
+    layers.iter().map(of_layer).sum()
+}
+
 /// Renders passes, numbered from zero, until the caller says that it is enough.
 ///
 /// - `keep_variance`: for each layer, whether to keep the spread of its replicas.

@@ -52,6 +52,11 @@ impl Discrete {
         self.len() == 0
     }
 
+    /// Memory of its table, in bytes.
+    pub fn memory(&self) -> usize {
+        size_of_val(self.cumulative.as_slice())
+    }
+
     /// Sum of the weights.
     pub fn total(&self) -> f64 {
         self.total

@@ -19,7 +19,15 @@ pub struct SceneBuilder {
     bsdfs: Vec<Bsdf>,
     emitters: Vec<Emitter>,
     engine: Engine,
+    /// Triangles whose points are prepared.
+    prepared: usize,
+    /// Memory of all pictures, in bytes.
+    pictures: u64,
 }
+
+/// Triangles whose points are prepared, at most: 16 MiB, which counts little beside what the triangles
+/// of a large scene take by themselves.
+const MOST_PREPARED: usize = 1 << 18;
 
 /// Why a scene could not be built.
 #[derive(Debug, thiserror::Error)]
@@ -82,8 +90,9 @@ impl SceneBuilder {
     /// Adds a group of surfaces, which is not in the scene until an instance places it.
     pub fn add_group(&mut self, members: impl IntoIterator<Item = (Shape, BsdfId)>) -> GroupId {
         let members = members.into_iter();
-        let objects = members.map(|(shape, bsdf)| self.object(shape, bsdf));
-        let objects = objects.collect();
+        let objects = members
+            .map(|(shape, bsdf)| self.object(shape, bsdf))
+            .collect();
         self.groups.push(objects);
         GroupId(self.groups.len() as u32 - 1)
     }
@@ -98,8 +107,16 @@ impl SceneBuilder {
         Ok(())
     }
 
+    /// Notes that the scene's textures hold pictures of so many bytes.
+    pub fn note_pictures(&mut self, bytes: u64) {
+        self.pictures += bytes;
+    }
+
     /// A surface that does not emit.
-    fn object(&self, shape: Shape, bsdf: BsdfId) -> Object {
+    fn object(&mut self, mut shape: Shape, bsdf: BsdfId) -> Object {
+        if let Shape::TriangleMesh(mesh) = &mut shape {
+            self.prepared += mesh.prepare_points(MOST_PREPARED - self.prepared);
+        }
         Object {
             shape: Arc::new(shape),
             bsdf,
@@ -120,6 +137,8 @@ impl SceneBuilder {
             bsdfs,
             mut emitters,
             engine,
+            pictures,
+            ..
         } = self;
         let in_world = objects.len() as u32;
         let groups = groups.into_iter().map(|members| {
@@ -142,6 +161,7 @@ impl SceneBuilder {
             bsdfs,
             lights: Lights::new(emitters),
             bounds,
+            pictures,
         })
     }
 }

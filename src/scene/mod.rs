@@ -13,7 +13,7 @@ pub use lights::{ChosenRay, ChosenSample, Lights};
 
 use std::sync::Arc;
 
-use crate::accel::{self, Accel, AccelError, Engine, Geometry, Hit, Ray};
+use crate::accel::{self, Accel, AccelError, Engine, Geometry, Hit, MemoryUse, Ray};
 use crate::bsdf::{Bsdf, LobeSet};
 use crate::emitter::SceneBounds;
 use crate::math::Vec3;
@@ -74,6 +74,27 @@ pub struct Scene {
     bsdfs: Vec<Bsdf>,
     lights: Lights,
     bounds: SceneBounds,
+    pictures: u64,
+}
+
+/// What a scene takes in memory, in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneMemory {
+    /// The tracer's search structure.
+    pub tree: MemoryUse,
+    /// Positions and indices, which the tracer reads where they are.
+    pub buffers: u64,
+    /// What shapes hold beside them: normals, texture coordinates, tables.
+    pub surfaces: u64,
+    /// Pictures of textures and of surroundings.
+    pub pictures: u64,
+}
+
+impl SceneMemory {
+    /// All of it, once built.
+    pub fn held(&self) -> u64 {
+        self.tree.held + self.buffers + self.surfaces + self.pictures
+    }
 }
 
 impl Scene {
@@ -176,14 +197,19 @@ impl Scene {
         (index, point_on_instance(placement, shape, ray, hit))
     }
 
-    /// Builds a search structure like the one that the scene has, as a measure of the effort.
-    ///
-    /// # Errors
-    /// When the tracer runs out of memory.
-    pub fn build_anew(&self) -> Result<Accel, AccelError> {
-        let engine = self.accel.engine();
-        let (objects, instances) = (&self.objects, &self.instances);
-        build_accel(engine, objects, self.in_world, &self.groups, instances)
+    /// What it takes in memory.
+    pub fn memory(&self) -> SceneMemory {
+        let mut memory = SceneMemory {
+            tree: self.accel.memory(),
+            pictures: self.pictures,
+            ..SceneMemory::default()
+        };
+        for object in &self.objects {
+            let shape = object.shape.memory();
+            memory.buffers += shape.shared;
+            memory.surfaces += shape.own + (size_of::<Object>() + size_of::<Shape>()) as u64;
+        }
+        memory
     }
 
     /// True when nothing stands between two points.

@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 
 use glam::DVec3;
 
-use super::{Derivatives, ShapeError, ShapeHit, ShapeModel, SurfacePoint};
+use super::{Derivatives, ShapeError, ShapeHit, ShapeMemory, ShapeModel, SurfacePoint};
 use crate::accel::{CurveBasis, CurveBuffer, Geometry};
 use crate::math::{AreaDensity, Frame, Mat4, Vec2, Vec3};
 
@@ -224,6 +224,14 @@ impl Axis {
 impl ShapeModel for Curves {
     fn geometry(&self) -> Geometry {
         Geometry::Curves(self.basis, self.buffer.clone())
+    }
+
+    fn memory(&self) -> ShapeMemory {
+        let (points, segments) = (self.buffer.points(), self.buffer.segments());
+        ShapeMemory {
+            shared: (size_of_val(points) + size_of_val(segments)) as u64,
+            own: 0,
+        }
     }
 
     fn prepare_sampling(&mut self) -> bool {

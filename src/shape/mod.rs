@@ -69,10 +69,24 @@ pub struct ShapeHit {
     pub position: Vec3,
 }
 
+/// What a shape takes in memory, in bytes, beside the few that every shape has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShapeMemory {
+    /// Buffers that the tracer reads, too.
+    pub shared: u64,
+    /// Normals, texture coordinates and tables, which the tracer does not know.
+    pub own: u64,
+}
+
 /// What a shape can answer.
 pub trait ShapeModel {
     /// What the tracer is given.
     fn geometry(&self) -> Geometry;
+
+    /// What it takes in memory.
+    fn memory(&self) -> ShapeMemory {
+        ShapeMemory::default()
+    }
 
     /// Prepares [`ShapeModel::sample_area`]; false when there is no area to sample.
     fn prepare_sampling(&mut self) -> bool {
@@ -136,6 +150,9 @@ macro_rules! shape_models {
         impl ShapeModel for Shape {
             fn geometry(&self) -> Geometry {
                 match self { $(Self::$model(s) => s.geometry(),)* }
+            }
+            fn memory(&self) -> ShapeMemory {
+                match self { $(Self::$model(s) => s.memory(),)* }
             }
             fn prepare_sampling(&mut self) -> bool {
                 match self { $(Self::$model(s) => s.prepare_sampling(),)* }

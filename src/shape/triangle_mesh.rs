@@ -3,12 +3,12 @@
 use glam::{Vec3A, Vec4};
 
 use super::mesh::MeshData;
-use super::{Derivatives, ShapeHit, ShapeModel, SurfacePoint};
+use super::{Derivatives, ShapeHit, ShapeMemory, ShapeModel, SurfacePoint};
 use crate::accel::{Geometry, IndexBuffer, VertexBuffer};
 use crate::math::distribution::Discrete;
 use crate::math::{AreaDensity, TriangleChart, Vec2, Vec3, warp};
 
-/// Meshes of up to so many triangles keep what the points of each triangle share: 64 bytes a
+/// Meshes of up to so many triangles can keep what the points of each triangle share: 64 bytes a
 /// triangle, about as much as the tracer itself takes. Larger ones work it out anew for each point.
 const PREPARED: usize = 1 << 16;
 
@@ -58,14 +58,23 @@ impl TriangleMesh {
         };
         mesh.area = mesh.triangle_areas().sum();
         mesh.density = AreaDensity((1.0 / mesh.area) as f32);
-        let triangles = mesh.triangles.as_slice();
-        if triangles.len() <= PREPARED {
-            mesh.facets = triangles
+        mesh
+    }
+
+    /// Keeps what the points of each triangle share, for speed; the points stay the same.
+    ///
+    /// - `most`: for how many triangles there is room.
+    ///
+    /// Returns how many are prepared: all or none.
+    pub fn prepare_points(&mut self, most: usize) -> usize {
+        let triangles = self.triangles.as_slice();
+        if triangles.len() <= most.min(PREPARED) {
+            self.facets = triangles
                 .iter()
-                .map(|triangle| Facet::new(mesh.corners(*triangle)))
+                .map(|triangle| Facet::new(self.corners(*triangle)))
                 .collect();
         }
-        mesh
+        self.facets.len()
     }
 
     /// The vertex positions, in world space.
@@ -279,6 +288,18 @@ impl ShapeModel for TriangleMesh {
         Geometry::Triangles(self.vertices.clone(), self.triangles.clone())
     }
 
+    fn memory(&self) -> ShapeMemory {
+        let (vertices, triangles) = (self.vertices.as_slice(), self.triangles.as_slice());
+        let normals = self.normals.as_deref().map_or(0, size_of_val);
+        let uvs = self.uvs.as_deref().map_or(0, size_of_val);
+        let by_area = self.by_area.as_ref().map_or(0, Discrete::memory);
+        let own = normals + uvs + size_of_val(self.facets.as_slice()) + by_area;
+        ShapeMemory {
+            shared: (size_of_val(vertices) + size_of_val(triangles)) as u64,
+            own: own as u64,
+        }
+    }
+
     fn prepare_sampling(&mut self) -> bool {
         let areas: Vec<f64> = self.triangle_areas().collect();
         self.by_area = Discrete::new(&areas);
@@ -333,9 +354,9 @@ mod tests {
                 .map(|(index, b)| format!("{:?}", mesh.point(index, b)))
                 .collect()
         };
-        assert!(!mesh.facets.is_empty());
-        let prepared = points(&mesh);
-        mesh.facets.clear();
-        assert_eq!(points(&mesh), prepared);
+        let unprepared = points(&mesh);
+        assert_eq!((mesh.prepare_points(11), mesh.facets.len()), (0, 0));
+        assert_eq!(mesh.prepare_points(12), 12);
+        assert_eq!(points(&mesh), unprepared);
     }
 }

@@ -22,6 +22,8 @@ impl VertexBuffer {
     /// - `positions`: in the space of the scene that the buffer is added to. Room for two more
     ///   elements in its capacity saves a reallocation.
     pub fn new(mut positions: Vec<[f32; 3]>) -> Self {
+        // Exactly: growth by itself would leave as much room again.
+        positions.reserve_exact(PADDING.len());
         positions.extend(PADDING);
         Self {
             padded: Arc::new(positions),
@@ -51,7 +53,8 @@ impl IndexBuffer {
     /// Takes over triangles.
     ///
     /// - `triangles`: per triangle the positions of its corners in a [`VertexBuffer`], from 0.
-    pub fn new(triangles: Vec<[u32; 3]>) -> Self {
+    pub fn new(mut triangles: Vec<[u32; 3]>) -> Self {
+        triangles.shrink_to_fit();
         Self {
             triangles: Arc::new(triangles),
         }

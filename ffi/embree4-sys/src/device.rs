@@ -3,6 +3,7 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::fmt;
 use std::ptr;
+use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::bindings;
@@ -45,6 +46,16 @@ impl Versions {
     }
 }
 
+/// Memory that Embree has taken for its scenes, in bytes; buffers that it shares with the caller are not
+/// its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MemoryUse {
+    /// What it holds now.
+    pub held: u64,
+    /// The most that it has held at once: building a tree takes more than the tree.
+    pub peak: u64,
+}
+
 /// An Embree device. Clones are cheap and name the same device.
 #[derive(Clone, Debug)]
 pub struct Device {
@@ -57,10 +68,13 @@ struct DeviceInner {
     versions: Versions,
     /// What Embree last said about an error; `record_message` writes it.
     message: Mutex<String>,
+    /// Bytes held, and the most so far; `count_memory` writes them.
+    held: AtomicI64,
+    peak: AtomicI64,
 }
 
-// SAFETY: Embree's device functions may be called from any thread, and the message is behind a
-// mutex.
+// SAFETY: Embree's device functions may be called from any thread; the message is behind a mutex, and
+// the counts are atomic.
 unsafe impl Send for DeviceInner {}
 // SAFETY: as above.
 unsafe impl Sync for DeviceInner {}
@@ -106,21 +120,35 @@ impl Device {
                 handle,
                 versions,
                 message: Mutex::default(),
+                held: AtomicI64::new(0),
+                peak: AtomicI64::new(0),
             }),
         };
         if !versions.share_layout() {
             return Err(Error::WrongLibrary(versions));
         }
         let user = Arc::as_ptr(&device.inner).cast::<c_void>().cast_mut();
-        // SAFETY: the device is live; `record_message` takes the pointer for a DeviceInner, which
-        // stays at its address until it releases the device.
-        unsafe { bindings::rtcSetDeviceErrorFunction(handle, Some(record_message), user) };
+        // SAFETY: the device is live; both functions take the pointer for a DeviceInner, which stays
+        // at its address until it has released the device.
+        unsafe {
+            bindings::rtcSetDeviceErrorFunction(handle, Some(record_message), user);
+            bindings::rtcSetDeviceMemoryMonitorFunction(handle, Some(count_memory), user);
+        }
         Ok(device)
     }
 
     /// The releases of the headers and of the library.
     pub fn version(&self) -> Versions {
         self.inner.versions
+    }
+
+    /// What the scenes of this device take.
+    pub fn memory(&self) -> MemoryUse {
+        let bytes = |count: &AtomicI64| u64::try_from(count.load(Relaxed)).unwrap_or(0);
+        MemoryUse {
+            held: bytes(&self.inner.held),
+            peak: bytes(&self.inner.peak),
+        }
     }
 
     pub(crate) fn handle(&self) -> bindings::RTCDevice {
@@ -175,6 +203,21 @@ unsafe extern "C" fn record_message(
         .unwrap_or_else(PoisonError::into_inner);
     message.clear();
     message.push_str(&words);
+}
+
+/// Embree's memory callback: counts for [`Device::memory`], and lets everything pass.
+///
+/// # Safety
+/// `user` must point to the live `DeviceInner` of the device.
+unsafe extern "C" fn count_memory(user: *mut c_void, bytes: isize, _done: bool) -> bool {
+    if !user.is_null() {
+        // SAFETY: see above; only shared references to a DeviceInner exist.
+        let device = unsafe { &*user.cast_const().cast::<DeviceInner>() };
+        let bytes = bytes as i64;
+        let held = device.held.fetch_add(bytes, Relaxed) + bytes;
+        device.peak.fetch_max(held, Relaxed);
+    }
+    true
 }
 
 /// Why the last rtcNewDevice of this thread failed; there is no device yet to ask.

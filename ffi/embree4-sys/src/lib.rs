@@ -61,6 +61,6 @@ pub use buffers::{CurveBuffer, IndexBuffer, VertexBuffer};
 pub use builder::{BuildOptions, BuildQuality, GeometryId, SceneBuilder, check_triangles};
 pub use curves::CurveBasis;
 pub use denormals::flush_denormals;
-pub use device::{Device, Version, Versions};
+pub use device::{Device, MemoryUse, Version, Versions};
 pub use error::Error;
 pub use scene::{Bounds, CommittedScene, Hit, Ray};

@@ -28,6 +28,28 @@ fn the_library_is_the_one_of_the_headers() -> Result<(), Error> {
 }
 
 #[test]
+fn memory_is_counted_and_given_back() -> Result<(), Error> {
+    let device = Device::new("")?;
+    let before = device.memory();
+    let side = 100_u32;
+    let corner = |i: u32| [(i % side) as f32, (i / side) as f32, 0.0];
+    let corners = VertexBuffer::new((0..side * side).map(corner).collect());
+    let squares = (0..side * (side - 1)).filter(|i| i % side + 1 < side);
+    let triangles = IndexBuffer::new(squares.map(|i| [i, i + 1, i + side]).collect());
+    let mut builder = SceneBuilder::new(&device)?;
+    builder.add_triangles(&corners, &triangles)?;
+    let scene = builder.commit()?;
+    let built = device.memory();
+    // A leaf holds three corners of each triangle.
+    let least = before.held + 36 * triangles.as_slice().len() as u64;
+    assert!(built.held >= least && built.peak >= built.held, "{built:?}");
+    drop(scene);
+    let after = device.memory();
+    assert_eq!((after.held, after.peak), (before.held, built.peak));
+    Ok(())
+}
+
+#[test]
 fn a_bad_configuration_is_refused_with_words() {
     for config in ["threads=many", "threads=2\0,verbose=0"] {
         match Device::new(config) {

@@ -16,7 +16,7 @@ mod tests;
 mod tree;
 mod triangle;
 
-use embree4_sys::{Error, VertexBuffer, check_map};
+use embree4_sys::{Error, MemoryUse, VertexBuffer, check_map};
 use glam::{DMat3, DVec3};
 
 use super::{AccelError, Engine, Geometry, Hit, Instance, Ray};
@@ -96,6 +96,18 @@ impl ObvhsAccel {
         })
     }
 
+    /// As [`super::Accel::memory`].
+    pub(super) fn memory(&self) -> MemoryUse {
+        let levels = self.groups.iter().chain([&self.world]);
+        let held = levels.map(Level::bytes).sum::<usize>()
+            + size_of_val(self.placed.as_slice())
+            + self.instances.bytes();
+        MemoryUse {
+            held: held as u64,
+            peak: held as u64,
+        }
+    }
+
     /// As [`super::Accel::intersect`].
     #[cold]
     #[inline(never)]
@@ -162,6 +174,12 @@ impl ObvhsAccel {
 }
 
 impl Level {
+    /// Size of what it holds, without the buffers that it shares.
+    fn bytes(&self) -> usize {
+        let (solids, members) = (self.solids.as_slice(), self.members.as_slice());
+        size_of_val(solids) + size_of_val(members) + self.tree.bytes()
+    }
+
     fn build(
         geometries: impl IntoIterator<Item = Geometry>,
         count: &mut usize,

@@ -37,6 +37,11 @@ impl Tree {
         Ok(Self { nodes: built.nodes })
     }
 
+    /// Size of its nodes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice())
+    }
+
     /// The box around everything.
     pub(super) fn bounds(&self) -> Option<Box3> {
         let root = self.nodes.first()?;

@@ -156,8 +156,7 @@ impl Start<'_> {
             imported,
             plan,
             view,
-            rendered: &finished.rendered,
-            run: finished.run,
+            finished,
             seed: self.slot.seed,
             filter: view.filter.kind().name(),
         };

@@ -143,7 +143,8 @@ impl Stage {
 
 /// Reads a scene; its wishes for further layers would cost time that is not the integrators'.
 fn load(course: &Course, args: &BenchArgs) -> Result<Imported, Failure> {
-    let mut imported = args.scene.load(&course.scene, true, args.tracer.engine())?;
+    let loaded = args.scene.load(&course.scene, true, args.tracer.engine())?;
+    let mut imported = loaded.imported;
     imported.integrator.aovs.clear();
     imported.integrator.second_moment = false;
     Ok(imported)

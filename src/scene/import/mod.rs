@@ -27,7 +27,7 @@ use crate::random::SamplerKind;
 use crate::sensor::Sensor;
 use loader::Loader;
 pub use media::{Medium, Phase};
-pub use progress::Progress;
+pub use progress::{Progress, Stage};
 use xml::{Diagnostic, ElementKind, Location};
 
 /// How to import a scene.
@@ -39,7 +39,7 @@ pub struct ImportOptions {
     pub film_size: Option<(u32, u32)>,
     /// The tracer that finds what rays meet.
     pub engine: Engine,
-    /// Who is told of files that have been read.
+    /// Who is told how far it has come.
     pub progress: Progress,
 }
 
@@ -223,7 +223,7 @@ impl Loader<'_> {
     }
 
     /// Builds the scene; `None` after noting why there is none.
-    fn finish(self) -> Option<Scene> {
+    fn finish(mut self) -> Option<Scene> {
         if self.problems.has_errors() {
             return None;
         }
@@ -234,7 +234,13 @@ impl Loader<'_> {
             BuildError::Accel(AccelError::Geometry { index, .. }) => elements.nth(*index),
             _ => None,
         };
+        let bitmaps = self.bitmaps.borrow();
+        let pictures = bitmaps.values().flatten();
+        self.builder
+            .note_pictures(pictures.map(|picture| picture.memory()).sum());
+        self.progress.tell(Stage::Building);
         let built = self.builder.build();
+        self.progress.tell(Stage::Built);
         built
             .map_err(|error| {
                 let element = culprit(&error).copied().unwrap_or(self.tree.root());

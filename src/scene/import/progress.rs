@@ -3,23 +3,36 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// What is told: how many files have been read, of how many.
-type Told = dyn Fn(usize, usize) + Send + Sync;
+/// What is told of an import.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// A file has been read: how many so far, of how many. From any thread, in any order.
+    Read {
+        /// So far.
+        done: usize,
+        /// Of how many.
+        all: usize,
+    },
+    /// Everything is read; the search structure is built next.
+    Building,
+    /// The scene stands.
+    Built,
+}
 
-/// Tells somebody how many files of a scene have been read; from any thread, in any order.
+/// Tells somebody how far an import has come.
 #[derive(Clone, Default)]
-pub struct Progress(Option<Arc<Told>>);
+pub struct Progress(Option<Arc<dyn Fn(Stage) + Send + Sync>>);
 
 impl Progress {
-    /// Tells `told` of each file that has been read: how many so far, of how many.
-    pub fn new(told: impl Fn(usize, usize) + Send + Sync + 'static) -> Self {
+    /// Tells `told` of each stage.
+    pub fn new(told: impl Fn(Stage) + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(told)))
     }
 
-    /// Says that `done` files of `all` have been read.
-    pub(super) fn tell(&self, done: usize, all: usize) {
+    /// Says what has been reached.
+    pub(super) fn tell(&self, stage: Stage) {
         if let Some(told) = &self.0 {
-            told(done, all);
+            told(stage);
         }
     }
 }

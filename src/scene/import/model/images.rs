@@ -22,6 +22,8 @@ impl Model<'_> {
             return known.clone();
         }
         let read = self.read_image(&file, location).map(Arc::new);
+        let bytes = read.as_ref().map_or(0, |picture| picture.memory());
+        self.builder.note_pictures(bytes);
         self.images.by_file.insert(file, read.clone());
         read
     }

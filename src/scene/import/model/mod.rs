@@ -16,7 +16,7 @@ use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::xml::{Diagnostics, FileFinder, Location, ReadError, Source};
-use super::{ImportError, ImportOptions, Imported, IntegratorRequest, View};
+use super::{ImportError, ImportOptions, Imported, IntegratorRequest, Stage, View};
 use crate::bsdf::{Bsdf, Leaning};
 use crate::emitter::Constant;
 use crate::math::Rgb;
@@ -149,7 +149,10 @@ impl<'o> Model<'o> {
         if self.problems.has_errors() {
             return Err(ImportError::Scene(self.problems.sorted()));
         }
-        let scene = match self.builder.build() {
+        self.options.progress.tell(Stage::Building);
+        let built = self.builder.build();
+        self.options.progress.tell(Stage::Built);
+        let scene = match built {
             Ok(scene) => scene,
             Err(error) => {
                 self.problems.error(&place, error.to_string());

@@ -9,6 +9,7 @@ use xxhash_rust::xxh3::xxh3_64;
 use super::super::loader::Loader;
 use super::super::mesh::serialized::SerializedFile;
 use super::super::mesh::{ImportedMesh, obj, ply};
+use super::super::progress::Stage;
 use super::super::xml::{ElementId, ElementKind, ElementReader};
 use super::groups::HOLDERS;
 use crate::math::Mat4;
@@ -81,7 +82,8 @@ impl Loader<'_> {
                 }
                 _ => request.read(),
             };
-            progress.tell(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress.tell(Stage::Read { done, all });
             (id, loaded)
         });
         let read: Vec<(ElementId, Hashed<MeshOutcome>)> = read.collect();

@@ -131,6 +131,8 @@ impl Model<'_> {
                 .unsupported(&self.line(1), message, "left out");
         });
         let read = read.ok().map(Arc::new);
+        let bytes = read.as_ref().map_or(0, |picture| picture.memory());
+        self.builder.note_pictures(bytes);
         asset.images.insert(index, read.clone());
         read
     }
