@@ -14,6 +14,7 @@ mod normals;
 pub use attribute::{AttributeDomain, MeshAttribute};
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::math::{Mat4, Vec3};
 
@@ -130,11 +131,11 @@ impl MeshData {
     ///
     /// Large factors can overflow; [`MeshData::validate`] afterwards finds it.
     pub fn transform(&mut self, to_world: Mat4) {
-        for position in &mut self.positions {
-            *position = to_world
-                .transform_point3(Vec3::from_array(*position))
-                .to_array();
-        }
+        let positions = self.positions.par_iter_mut().with_min_len(1 << 12);
+        positions.for_each(|position| {
+            let point = Vec3::from_array(*position);
+            *position = to_world.transform_point3(point).to_array();
+        });
         let Some(normals) = &mut self.normals else {
             return;
         };

@@ -1,9 +1,13 @@
 //! Vertex normals from triangles.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::MeshData;
 use crate::math::Vec3;
+
+/// Triangles whose angles are known at once.
+const PIECE: usize = 1 << 16;
 
 impl MeshData {
     /// Replaces the vertex normals by the mean of the adjacent triangles' normals, each weighted
@@ -63,19 +67,24 @@ impl MeshData {
         let mut sums = vec![DVec3::ZERO; slot_count];
         // A slot takes its first triangle's normal here only if its sum turns out to vanish.
         let mut firsts = vec![Vec3::ZERO; slot_count];
-        for (triangle, &corners) in self.indices.iter().enumerate() {
-            let p = self.corner_positions(corners);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
-            if normal == DVec3::ZERO {
-                continue;
-            }
-            for corner in 0..3 {
-                let slot = slot(triangle, corner);
-                let to_next = p[(corner + 1) % 3] - p[corner];
-                let to_last = p[(corner + 2) % 3] - p[corner];
-                sums[slot] += normal * angle_between(to_next, to_last);
-                if firsts[slot] == Vec3::ZERO {
-                    firsts[slot] = normal.as_vec3();
+        // Angles are worked out by all processors, a piece of the list at a time, and added in order.
+        let mut pieces = Vec::new();
+        for (piece, indices) in self.indices.chunks(PIECE).enumerate() {
+            indices
+                .par_iter()
+                .with_min_len(PIECE >> 6)
+                .map(|corners| self.normal_and_angles(*corners))
+                .collect_into_vec(&mut pieces);
+            for (triangle, (normal, angles)) in (piece * PIECE..).zip(&pieces) {
+                if *normal == DVec3::ZERO {
+                    continue;
+                }
+                for (corner, angle) in angles.iter().enumerate() {
+                    let slot = slot(triangle, corner);
+                    sums[slot] += *normal * *angle;
+                    if firsts[slot] == Vec3::ZERO {
+                        firsts[slot] = normal.as_vec3();
+                    }
                 }
             }
         }
@@ -89,7 +98,23 @@ impl MeshData {
                 [0., 0., 1.]
             }
         };
-        sums.into_iter().zip(firsts).map(unit).collect()
+        let sums = sums.into_par_iter().with_min_len(PIECE >> 6);
+        sums.zip(firsts).map(unit).collect()
+    }
+
+    /// Unit normal of a triangle and the angles at its corners in radians; zero where it has no area.
+    fn normal_and_angles(&self, corners: [u32; 3]) -> (DVec3, [f64; 3]) {
+        let p = self.corner_positions(corners);
+        let normal = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
+        if normal == DVec3::ZERO {
+            return (normal, [0.0; 3]);
+        }
+        let angle = |corner: usize| {
+            let to_next = p[(corner + 1) % 3] - p[corner];
+            let to_last = p[(corner + 2) % 3] - p[corner];
+            angle_between(to_next, to_last)
+        };
+        (normal, [0, 1, 2].map(angle))
     }
 }
 

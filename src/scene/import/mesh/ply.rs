@@ -8,6 +8,7 @@
 
 mod attributes;
 mod body;
+mod fixed;
 mod header;
 
 use std::path::Path;
@@ -54,8 +55,13 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
     for element in &header.elements {
         body.check_claim(element)?;
         match element.name.as_str() {
+            "vertex" if fixed::vertices(&mut body, element, &mut mesh) => {}
             "vertex" => read_vertices(&mut body, element, &mut mesh, &mut warnings)?,
             "face" => {
+                if let Some(triangles) = fixed::triangles(&mut body, element, vertex_count) {
+                    faces.take(triangles);
+                    continue;
+                }
                 of_faces = Columns::of(element, AttributeDomain::Face, |_| false, &mut warnings);
                 read_lists(
                     &mut body,
@@ -176,6 +182,11 @@ fn read_vertices<'a>(
     Ok(())
 }
 
+/// Whether a list of this name holds the vertices of a face.
+fn is_indices(name: &str) -> bool {
+    name == "vertex_indices" || name == "vertex_index"
+}
+
 /// Reads the rows of an element of faces.
 ///
 /// - `others`: takes what a row holds beside its list.
@@ -187,7 +198,6 @@ fn read_lists<'a>(
     faces: &mut Faces,
     on_list: fn(&mut Faces, &mut ListReader<'_, 'a>, usize) -> Result<(), MeshProblem>,
 ) -> Result<(), MeshProblem> {
-    let is_indices = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let indices = element.properties.iter().position(|property| {
         is_indices(&property.name) && matches!(property.kind, Kind::List { .. })
     });
@@ -235,6 +245,15 @@ struct Faces {
 }
 
 impl Faces {
+    /// Adds triangles.
+    fn take(&mut self, triangles: Vec<[u32; 3]>) {
+        if self.triangles.is_empty() {
+            self.triangles = triangles;
+        } else {
+            self.triangles.extend(triangles);
+        }
+    }
+
     fn polygon(&mut self, list: &mut ListReader<'_, '_>, length: usize) -> Result<(), MeshProblem> {
         let mut fan = (0, 0);
         for corner in 0..length {

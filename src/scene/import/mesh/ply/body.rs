@@ -58,6 +58,23 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// How numbers are written.
+    pub(super) fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// The next rows of a binary file, each of so many bytes; `None` in a text, and where there are fewer.
+    pub(super) fn rows(&self, length: usize, count: usize) -> Option<&'a [u8]> {
+        let bytes = length.checked_mul(count)?;
+        let is_binary = self.encoding != Encoding::Ascii && length > 0;
+        self.bytes[self.at..].get(..bytes).filter(|_| is_binary)
+    }
+
+    /// Goes on after rows that have been read as [`Body::rows`].
+    pub(super) fn skip_rows(&mut self, length: usize, count: usize) {
+        self.at += length * count;
+    }
+
     /// Reads one number.
     pub(super) fn scalar(&mut self, scalar: Scalar) -> Result<f64, MeshProblem> {
         match self.encoding {
