@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod crosscheck;
 mod interrupt;
+mod memory;
 mod race;
 mod render;
 

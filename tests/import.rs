@@ -3,6 +3,7 @@
 mod attributes;
 mod gltf;
 mod materials;
+mod memory;
 mod models;
 mod plugins;
 
@@ -315,7 +316,7 @@ fn cameras_and_films_that_see_nothing_are_refused() {
         (
             "<film type='hdrfilm'>\n<integer name='width' value='65536'/>\n\
              <integer name='height' value='65536'/></film>",
-            "scene.xml:2:1: 65536x65536 pixels are too many, expected 134217728 at most",
+            "scene.xml:2:1: 65536x65536 pixels are too many, expected 1073741824 at most",
         ),
         (
             "\n<float name='fov' value='180'/>",

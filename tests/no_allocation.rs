@@ -7,13 +7,15 @@ use std::path::Path as FilePath;
 use std::sync::atomic::AtomicBool;
 
 use allocation_counter::measure;
-use lumiflow::film::{PassBuffer, Window};
-use lumiflow::integrator::{self, Driver, PixelSettings, Progress};
+use lumiflow::film::{Accumulator, Filter, Layer, PassBuffer, Unit, Window};
+use lumiflow::image::{ExrOptions, Precision};
+use lumiflow::integrator::{self, Counters, Driver, PixelSettings, Progress, Rendered};
 use lumiflow::math::Vec2;
 use lumiflow::mutation::{
     AngleKernel, CausticKernel, Chain, Choice, Fault, Mutate, Mutation, Perturbation, RasterDomain,
     RasterKernel,
 };
+use lumiflow::output::{LayerChoice, Picture, SaveOptions, save};
 use lumiflow::path::{Heuristic, Path, PathRules, PathSpace, PathTracing, camera_sample};
 use lumiflow::random::{PixelAddress, Purpose, Sampler, SamplerKind, Stream};
 use lumiflow::scene::Scene;
@@ -218,4 +220,50 @@ fn allocations_are_counted() {
         black_box(vec![1_u8; 16]);
     });
     assert_eq!(info.count_total, 1);
+}
+
+/// A film of two passes, with the spread of its replicas.
+fn film(window: Window) -> Rendered {
+    let (layer, unit) = (Layer::new("", "RGBA"), Unit::for_magnitude(1.0));
+    let mut pass = PassBuffer::new(window, 4, unit);
+    let mut sums = Accumulator::new(4 * window.pixel_count(), unit, Some(1));
+    for value in [0.25, 0.75] {
+        pass.add(&Filter::pixel_box(), Vec2::splat(0.5), [value; 4]);
+        sums.fold(&mut pass);
+    }
+    Rendered {
+        means: vec![sums.mean()],
+        layers: vec![(layer, sums)],
+        window,
+        passes: 2,
+        counters: Counters::default(),
+    }
+}
+
+#[test]
+fn writing_a_picture_holds_a_few_rows_of_it() {
+    let (width, height) = (64, 2048);
+    let rendered = film(Window::full(width, height));
+    let choice = LayerChoice {
+        precision: Precision::Float,
+        variance: true,
+    };
+    let options = SaveOptions {
+        exr: ExrOptions::default(),
+        exposure: 0.0,
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let written = measure(|| {
+        let picture = Picture::new(&rendered, (width, height), choice);
+        let saved = save(&folder.path().join("a.exr"), &picture, &options);
+        assert_eq!(saved.expect("the file can be written"), 0);
+    });
+    // A chunk has sixteen rows of seven channels; names and the like are small.
+    let chunk = 7 * 16 * u64::from(width) * 4;
+    assert!(
+        written.bytes_max < 2 * chunk,
+        "{written:?}, a chunk has {chunk}"
+    );
+    // A copy of a single channel would be found.
+    assert!(2 * chunk < 4 * u64::from(width) * u64::from(height));
 }

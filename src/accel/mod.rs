@@ -39,6 +39,25 @@ pub enum Geometry {
     Cylinder([[f32; 4]; 3]),
 }
 
+impl Geometry {
+    /// Memory that a tracer takes while it builds its search structure over it, in bytes: rather more
+    /// than less.
+    ///
+    /// Embree's peak by its own count was 94 to 120 bytes a triangle in scenes of 1 to 20 million.
+    pub fn build_memory(&self, engine: Engine) -> u64 {
+        let (count, bytes) = match self {
+            Self::Triangles(_, triangles) => (triangles.as_slice().len(), 120),
+            Self::Curves(_, curves) => (curves.segments().len(), 400),
+            Self::Sphere { .. } | Self::Disk(_) | Self::Cylinder(_) => (1, 1000),
+        };
+        let bytes = match engine {
+            Engine::Embree => bytes,
+            Engine::Obvhs => bytes.max(350),
+        };
+        count as u64 * bytes
+    }
+}
+
 /// A group of geometries, placed in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {

@@ -8,12 +8,14 @@ use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::budget::{Budget, Goal};
+use super::console::size;
 use super::failure::Failure;
+use super::memory;
 use super::monitor::Monitor;
 use super::plan::Plan;
 use super::signals::Interruption;
 use crate::accel;
-use crate::film::{Filter, Layer};
+use crate::film::{Filter, Layer, Window};
 use crate::integrator::{PixelSettings, Progress, Rendered, film_memory, render};
 use crate::output::Run;
 use crate::scene::import::{Imported, View};
@@ -83,7 +85,14 @@ impl Job<'_> {
     /// Renders until the goal is reached or a signal comes.
     ///
     /// - `title`: name under which progress is shown; `None` shows nothing.
-    pub(super) fn execute(&self, interruption: &Interruption, title: Option<&str>) -> Finished {
+    ///
+    /// # Errors
+    /// [`Failure::Memory`] when there is none for the film.
+    pub(super) fn execute(
+        &self,
+        interruption: &Interruption,
+        title: Option<&str>,
+    ) -> Result<Finished, Failure> {
         interruption.save_from_now_on();
         let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
         let (scene, sensor) = (&self.imported.scene, &self.view.sensor);
@@ -92,6 +101,7 @@ impl Job<'_> {
         let elapsed = || self.elapsed(start, cpu);
         let keep_variance = |layer: &Layer| self.plan.variance && work.has_variance(layer);
         let film_memory = film_memory(&*work, keep_variance);
+        self.check_film(film_memory, memory::available())?;
         let mut budget = Budget::new(self.goal, elapsed());
         let progress = Progress::default();
         let mut passes = || {
@@ -119,7 +129,7 @@ impl Job<'_> {
         };
         let (wall, of_goal) = (start.elapsed(), elapsed());
         let cpu_seconds = cpu.and_then(|cpu| cpu.try_elapsed().ok());
-        Finished {
+        Ok(Finished {
             rendered,
             run: Run {
                 wall_seconds: wall.as_secs_f64(),
@@ -129,6 +139,26 @@ impl Job<'_> {
             prepare_seconds,
             film_memory,
             overrun: budget.overrun(of_goal).map(|over| over.as_secs_f64()),
+        })
+    }
+
+    /// Whether there is memory for the film.
+    ///
+    /// - `available`: in bytes, where that is known.
+    fn check_film(&self, film: u64, available: Option<u64>) -> Result<(), Failure> {
+        match available {
+            Some(available) if available < film => {
+                let Window { width, height, .. } = self.view.window;
+                Err(Failure::Memory(format!(
+                    "the film of {width}x{height} pixels with its layers needs {} of memory, and {} \
+                     are available beside the scene's {}; a smaller --size, a crop window, fewer \
+                     layers and no --aov variance need less",
+                    size(film),
+                    size(available),
+                    size(self.imported.scene.memory().held()),
+                )))
+            }
+            _ => Ok(()),
         }
     }
 

@@ -16,6 +16,8 @@ pub(super) enum Failure {
     Scene(Vec<Diagnostic>),
     /// A file cannot be read or written.
     File(String),
+    /// There is not enough memory.
+    Memory(String),
 }
 
 impl Failure {
@@ -25,6 +27,7 @@ impl Failure {
             Self::Usage(_) => 2,
             Self::Scene(_) => 3,
             Self::File(_) => 4,
+            Self::Memory(_) => 5,
         }
     }
 
@@ -43,7 +46,7 @@ impl Failure {
                     super::console::say(&diagnostic.to_string());
                 }
             }
-            Self::File(message) => complain(message),
+            Self::File(message) | Self::Memory(message) => complain(message),
         }
     }
 }
@@ -58,6 +61,7 @@ impl From<ImportError> for Failure {
     fn from(error: ImportError) -> Self {
         match error {
             ImportError::Scene(diagnostics) => Self::Scene(diagnostics),
+            ImportError::Memory { .. } => Self::Memory(error.to_string()),
             other => Self::File(other.to_string()),
         }
     }

@@ -8,7 +8,7 @@ use crate::scene::options::{OptionReader, Options};
 /// Below the list of commands.
 pub(super) const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 crosscheck found a real disagreement, 2 wrong use, 3 broken scene, 4 a file cannot be read or written, or a program
-that bench races failed, 70 a bug of ours, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.";
+that bench races failed, 5 too little memory, 70 a bug of ours, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.";
 
 /// Below the short help of `render`.
 pub(super) const RENDER_EXAMPLES: &str = "\

@@ -40,7 +40,7 @@ const BUG: u8 = 70;
 /// Runs the command of this process.
 ///
 /// The exit code is 0 when all is done, 2 for wrong use, 3 for a broken scene, 4 for files that
-/// cannot be read or written and peers that fail, 70 for a bug of ours, 130 after Ctrl-C and 143
+/// cannot be read or written and peers that fail, 5 for too little memory, 70 for a bug of ours, 130 after Ctrl-C and 143
 /// after SIGTERM.
 pub fn run() -> ExitCode {
     let arguments: Vec<String> = std::env::args_os()

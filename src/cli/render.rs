@@ -15,8 +15,8 @@ use super::signals::Interruption;
 use super::summary::Summary;
 use super::version;
 use crate::film::Filter;
-use crate::image::{Compression, ExrOptions, Image, Precision};
-use crate::output::{LayerChoice, SaveOptions, metadata, picture, save};
+use crate::image::{Compression, ExrOptions, Precision, Rows};
+use crate::output::{LayerChoice, Picture, SaveOptions, metadata, save};
 use crate::scene::import::{Imported, View};
 
 /// Renders the scenes one after the other; returns the exit code.
@@ -90,7 +90,7 @@ impl Session<'_> {
             threads: self.threads,
         };
         let title = (!args.quiet).then_some(target.name.as_str());
-        let finished = job.execute(self.interruption, title);
+        let finished = job.execute(self.interruption, title)?;
         if finished.rendered.passes == 0 {
             say(&format!(
                 "{}: stopped before the first pass was complete; no file is written",
@@ -112,7 +112,7 @@ impl Session<'_> {
             precision: self.precision(view),
             variance: plan.variance,
         };
-        let mut image = picture(&finished.rendered, view.film_size, choice);
+        let mut image = Picture::new(&finished.rendered, view.film_size, choice);
         image.metadata = metadata(&record.record(&notes), version::REVISION);
         let written = self.write(target, &image, &mut notes);
         notes.settle()?;
@@ -155,7 +155,7 @@ impl Session<'_> {
     }
 
     /// Writes all files, also when one of them fails.
-    fn write(&self, target: &Target, image: &Image, notes: &mut Notes) -> Result<(), Failure> {
+    fn write(&self, target: &Target, image: &dyn Rows, notes: &mut Notes) -> Result<(), Failure> {
         let options = SaveOptions {
             exr: ExrOptions {
                 compression: compression(self.args.file.compression),

@@ -8,10 +8,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::args::SceneArgs;
 use super::failure::Failure;
-use super::memory::{Resident, resident};
+use super::memory::{Resident, available, resident};
 use crate::accel::Engine;
 use crate::scene::import::xml::{ReadOptions, Strictness};
-use crate::scene::import::{ImportOptions, Imported, Progress, Stage, import};
+use crate::scene::import::{Gauge, ImportOptions, Imported, Progress, Stage, import};
 
 /// A scene with what it took to load it.
 pub(super) struct Loaded {
@@ -66,6 +66,7 @@ impl SceneArgs {
                 (Stage::Read { .. }, None) => {}
                 _ => lock(&watch).reach(stage),
             }),
+            gauge: Gauge::new(available),
         };
         let imported = import(file, &options)?;
         let build_seconds = lock(&building).took.as_secs_f64();

@@ -9,7 +9,7 @@ use super::notes::Notes;
 use super::outputs::Target;
 use super::plan::Plan;
 use super::scenes::LoadCost;
-use crate::image::Image;
+use crate::image::Rows;
 use crate::mutation::{Move, Rejection};
 use crate::output::Record;
 use crate::report::option_value;
@@ -81,7 +81,7 @@ impl Summary<'_> {
     pub(super) fn json(
         &self,
         notes: &Notes,
-        image: &Image,
+        image: &dyn Rows,
         load: &LoadCost,
         interrupted: bool,
     ) -> Value {
@@ -181,19 +181,25 @@ fn mutations(record: &Record) -> Value {
 }
 
 /// Mean of red, green and blue over the image.
-fn mean(image: &Image) -> [f64; 3] {
+fn mean(image: &dyn Rows) -> [f64; 3] {
+    let (width, height) = (image.data_window().width(), image.data_window().height());
+    let mut samples = vec![0.0; width as usize];
     ["R", "G", "B"].map(|name| {
-        let data = image
-            .channel(name)
-            .map_or(&[] as &[f32], |channel| &channel.data);
-        data.iter().copied().map(f64::from).sum::<f64>() / data.len().max(1) as f64
+        let mut sum = 0.0;
+        if let Some(channel) = image.channel_index(name) {
+            for row in 0..height as usize {
+                image.fill(channel, row..row + 1, &mut samples);
+                samples.iter().for_each(|value| sum += f64::from(*value));
+            }
+        }
+        sum / (f64::from(width) * f64::from(height))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Precision;
+    use crate::image::{Image, Precision};
 
     #[test]
     fn the_mean_is_over_all_pixels() {

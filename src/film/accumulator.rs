@@ -114,30 +114,35 @@ impl Accumulator {
             .collect()
     }
 
-    /// Estimated variance of [`Accumulator::mean`], or `None` when no spread is kept or there are
-    /// fewer than two replicas.
+    /// Whether the variance of the mean is known: not when no spread is kept or there are fewer than two
+    /// replicas.
+    pub fn has_variance(&self) -> bool {
+        self.replicas().is_some_and(|replicas| replicas >= 2)
+    }
+
+    /// Estimated variance of [`Accumulator::mean`], or `None` where it is not known.
     pub fn variance_of_mean(&self) -> Option<Vec<f32>> {
-        let mut spread = self.spread.clone()?;
-        if spread.open_passes > 0 {
-            spread.close();
-        }
-        if spread.replicas < 2 {
-            return None;
-        }
+        let values = (0..self.sums.len()).into_par_iter();
+        self.has_variance().then(|| {
+            values
+                .map(|index| self.variance_of_mean_at(index))
+                .collect()
+        })
+    }
+
+    /// One value of [`Accumulator::variance_of_mean`]; zero where that is not known.
+    pub fn variance_of_mean_at(&self, index: usize) -> f32 {
+        let (Some(spread), Some(replicas)) = (&self.spread, self.replicas().filter(|r| *r >= 2))
+        else {
+            return 0.0;
+        };
         let n = self.passes as f64;
         let unit_squared = self.unit.value() * self.unit.value();
-        let scale = unit_squared / ((spread.replicas - 1) as f64 * n);
+        let scale = unit_squared / ((replicas - 1) as f64 * n);
         let square_step = (1_u64 << SQUARE_SHIFT) as f64;
-        let variances = self
-            .sums
-            .par_iter()
-            .zip(&spread.squares)
-            .map(|(sum, squares)| {
-                let sum = *sum as f64;
-                let deviation = *squares as f64 * square_step - sum * sum / n;
-                (deviation.max(0.0) * scale) as f32
-            });
-        Some(variances.collect())
+        let sum = self.sums[index] as f64;
+        let squares = spread.squares_with_open(index) as f64 * square_step;
+        ((squares - sum * sum / n).max(0.0) * scale) as f32
     }
 
     /// Number of replicas, one that is not complete included.
@@ -149,19 +154,33 @@ impl Accumulator {
 }
 
 impl Spread {
+    /// The squares of a value, those of the open replica included.
+    fn squares_with_open(&self, index: usize) -> i128 {
+        let (squares, sum) = (self.squares[index], i128::from(self.open[index]));
+        match self.open_passes {
+            0 => squares,
+            passes => squares + square(sum, passes),
+        }
+    }
+
     /// Ends the open replica.
     fn close(&mut self) {
-        let passes = i128::from(self.open_passes);
+        let passes = self.open_passes;
         self.squares
             .par_iter_mut()
             .zip(&mut self.open)
             .for_each(|(squares, open)| {
                 let sum = i128::from(std::mem::take(open));
-                *squares += (sum * sum / passes) >> SQUARE_SHIFT;
+                *squares += square(sum, passes);
             });
         self.replicas += 1;
         self.open_passes = 0;
     }
+}
+
+/// What a replica of `passes` adds to the squares.
+fn square(sum: i128, passes: u32) -> i128 {
+    (sum * sum / i128::from(passes)) >> SQUARE_SHIFT
 }
 
 #[cfg(test)]

@@ -26,8 +26,8 @@ pub struct Window {
 }
 
 impl Window {
-    /// The most pixels that are rendered at once: sums and variances of more fill the memory.
-    pub const MOST_PIXELS: u64 = 1 << 27;
+    /// The most pixels that are rendered at once: 32 bits tell them apart, a filter's border included.
+    pub const MOST_PIXELS: u64 = 1 << 30;
 
     /// The whole of a film.
     pub const fn full(width: u32, height: u32) -> Self {

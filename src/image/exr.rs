@@ -4,12 +4,13 @@ use std::fs::File;
 use std::path::Path;
 
 use openexr_sys::{
-    AttributeValue, Chromaticities, Compression, Layout, Precision, Reader, SampleType,
+    AttributeValue, ChannelFormat, Chromaticities, Compression, Layout, Precision, Reader,
+    SampleType,
 };
 
 use super::atomic::AtomicFile;
 use super::error::ImageError;
-use super::layers::{Channel, Image};
+use super::layers::{Channel, Image, Rows};
 
 /// Attribute with the primaries of the RGB channels, as the format names it.
 const CHROMATICITIES: &str = "chromaticities";
@@ -50,7 +51,7 @@ pub fn exr_version() -> String {
 /// Writes an EXR file: one part, rows from the top down.
 ///
 /// - `path`: the final name; the file appears whole or not at all.
-/// - `image`: infinities and NaN are kept. In half precision, finite values beyond ±65504 become
+/// - `image`: its rows are asked for as they are written, a few at a time. Infinities and NaN are kept. In half precision, finite values beyond ±65504 become
 ///   ±65504 and are counted. With channels `R`, `G`, `B` in some layer, the file says that they are
 ///   Rec.709, unless the metadata says otherwise.
 ///
@@ -62,38 +63,34 @@ pub fn exr_version() -> String {
 /// written.
 pub fn write_exr(
     path: &Path,
-    image: &Image,
+    image: &dyn Rows,
     options: &ExrOptions,
 ) -> Result<ExrReport, ImageError> {
-    let mut attributes = image.metadata.clone();
-    if image
-        .channels
-        .iter()
-        .any(|channel| is_red_of_rgb(image, &channel.name))
-    {
+    if let Some(flaw) = image.flaw() {
+        return Err(ImageError::invalid(path, flaw));
+    }
+    let channels = image.channels();
+    let mut attributes = image.metadata().clone();
+    if channels.iter().any(|(name, _)| is_red_of_rgb(image, name)) {
         attributes
             .entry(CHROMATICITIES.to_owned())
             .or_insert(AttributeValue::Chromaticities(Chromaticities::REC709));
     }
     let layout = Layout {
-        data_window: image.data_window,
-        display_window: image.display_window,
+        data_window: image.data_window(),
+        display_window: image.display_window(),
         pixel_aspect_ratio: 1.0,
         compression: options.compression,
         zip_level: options.zip_level,
         attributes,
     };
-    let channels: Vec<openexr_sys::Channel> = image
-        .channels
-        .iter()
-        .map(|channel| openexr_sys::Channel {
-            name: &channel.name,
-            precision: channel.precision,
-            samples: &channel.data,
-        })
+    let formats = channels.into_iter();
+    let formats: Vec<_> = formats
+        .map(|(name, precision)| ChannelFormat { name, precision })
         .collect();
     let file = AtomicFile::create(path)?;
-    let report = openexr_sys::write(file.file(), &layout, &channels)
+    let fill = |channel, rows, samples: &mut [f32]| image.fill(channel, rows, samples);
+    let report = openexr_sys::write_rows(file.file(), &layout, &formats, fill)
         .map_err(|error| ImageError::from_exr(path, error, ImageError::write))?;
     file.persist()?;
     Ok(ExrReport {
@@ -102,14 +99,14 @@ pub fn write_exr(
 }
 
 /// True for the red channel of a layer that has green and blue, too.
-fn is_red_of_rgb(image: &Image, name: &str) -> bool {
+fn is_red_of_rgb(image: &dyn Rows, name: &str) -> bool {
     let Some(layer) = name.strip_suffix('R') else {
         return false;
     };
     (layer.is_empty() || layer.ends_with('.'))
         && ["G", "B"]
             .iter()
-            .all(|letter| image.channel(&format!("{layer}{letter}")).is_some())
+            .all(|letter| image.channel_index(&format!("{layer}{letter}")).is_some())
 }
 
 /// Reads all channels of the first part of an EXR file, scanline or tiled, at full resolution.

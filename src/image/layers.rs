@@ -1,6 +1,7 @@
 //! Pictures of named channels.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use openexr_sys::{AttributeValue, Precision, Window};
 
@@ -28,7 +29,94 @@ pub struct Image {
     pub metadata: BTreeMap<String, AttributeValue>,
 }
 
+/// A picture whose rows are made when they are asked for: what a file is written from.
+pub trait Rows {
+    /// The pixels, as [`Image::data_window`].
+    fn data_window(&self) -> Window;
+
+    /// The frame, as [`Image::display_window`].
+    fn display_window(&self) -> Window;
+
+    /// Names of the channels, and how they are stored.
+    fn channels(&self) -> Vec<(&str, Precision)>;
+
+    /// Attributes by name.
+    fn metadata(&self) -> &BTreeMap<String, AttributeValue>;
+
+    /// Puts rows of a channel into `samples`, which has the length for it.
+    ///
+    /// - `channel`: its index in [`Rows::channels`].
+    /// - `rows`: of the data window, from the top.
+    fn fill(&self, channel: usize, rows: Range<usize>, samples: &mut [f32]);
+
+    /// What makes it unfit for a file.
+    fn flaw(&self) -> Option<String> {
+        None
+    }
+
+    /// The index of the channel with exactly this name.
+    fn channel_index(&self, name: &str) -> Option<usize> {
+        self.channels().iter().position(|(known, _)| *known == name)
+    }
+}
+
+impl Rows for Image {
+    fn data_window(&self) -> Window {
+        self.data_window
+    }
+
+    fn display_window(&self) -> Window {
+        self.display_window
+    }
+
+    fn channels(&self) -> Vec<(&str, Precision)> {
+        let channels = self.channels.iter();
+        channels
+            .map(|channel| (channel.name.as_str(), channel.precision))
+            .collect()
+    }
+
+    fn metadata(&self) -> &BTreeMap<String, AttributeValue> {
+        &self.metadata
+    }
+
+    fn fill(&self, channel: usize, rows: Range<usize>, samples: &mut [f32]) {
+        let width = self.width() as usize;
+        let data = &self.channels[channel].data;
+        samples.copy_from_slice(&data[rows.start * width..rows.end * width]);
+    }
+
+    fn flaw(&self) -> Option<String> {
+        let (width, height) = (self.width(), self.height());
+        let pixels = u64::from(width) * u64::from(height);
+        let wrong = self.channels.iter();
+        let wrong = wrong.map(|channel| (&channel.name, channel.data.len()));
+        let mut wrong = wrong.filter(|(_, count)| *count as u64 != pixels);
+        let (name, count) = wrong.next()?;
+        Some(format!(
+            "channel {name} has {count} samples for {width}×{height}"
+        ))
+    }
+}
+
 impl Image {
+    /// Makes all rows of a picture.
+    pub fn from_rows(rows: &dyn Rows) -> Self {
+        let mut image = Self {
+            data_window: rows.data_window(),
+            display_window: rows.display_window(),
+            channels: Vec::new(),
+            metadata: rows.metadata().clone(),
+        };
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        for (index, (name, precision)) in rows.channels().into_iter().enumerate() {
+            let mut data = vec![0.0; width * height];
+            rows.fill(index, 0..height, &mut data);
+            image.push(name, precision, data);
+        }
+        image
+    }
+
     /// An image without channels whose data window is the whole picture.
     ///
     /// - `width`, `height`: in pixels, at least 1.

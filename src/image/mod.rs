@@ -21,8 +21,8 @@ pub use bitmap::{Bitmap, Texels, Transfer};
 pub use decode::{decode_bitmap, read_bitmap};
 pub use error::ImageError;
 pub use exr::{ExrOptions, ExrReport, exr_version, read_exr, write_exr};
-pub use layers::{Channel, Image};
-pub use png::write_png;
+pub use layers::{Channel, Image, Rows};
+pub use png::{write_png, write_png_of};
 pub use srgb::{srgb_decode, srgb_encode};
 
 pub use openexr_sys::{AttributeValue, Chromaticities, Compression, Precision, Window};

@@ -8,6 +8,7 @@ use ::image::{ExtendedColorType, ImageEncoder};
 
 use super::atomic::AtomicFile;
 use super::error::ImageError;
+use super::layers::Rows;
 use super::srgb::srgb_encode;
 
 /// Writes an 8-bit sRGB PNG; the same input gives the same bytes.
@@ -33,16 +34,39 @@ pub fn write_png(
         let message = format!("{} pixels are no image of {width}×{height}", rgb.len());
         return Err(ImageError::invalid(path, message));
     }
-    let scale = exposure.exp2();
-    let codes: Vec<u8> = rgb
-        .iter()
-        .flatten()
-        .map(|&value| to_code(f64::from(value) * f64::from(scale)))
-        .collect();
+    let values = rgb.iter().flatten();
+    let codes: Vec<u8> = values.map(|value| to_code(*value, exposure)).collect();
+    write_codes(path, width, height, &codes)
+}
+
+/// Writes the channels `R`, `G` and `B` of a picture as [`write_png`] does; beside the 8-bit pixels, one
+/// row is held at a time.
+///
+/// # Errors
+/// As [`write_png`], and [`ImageError::Invalid`] when a channel is missing.
+pub fn write_png_of(path: &Path, image: &dyn Rows, exposure: f32) -> Result<(), ImageError> {
+    let (width, height) = (image.data_window().width(), image.data_window().height());
+    let mut codes = vec![0; 3 * width as usize * height as usize];
+    let mut samples = vec![0.0; width as usize];
+    for (place, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let channel = image.channel_index(name);
+        let channel = channel
+            .ok_or_else(|| ImageError::invalid(path, format!("there is no channel {name}")))?;
+        for (row, codes) in codes.chunks_exact_mut(3 * width as usize).enumerate() {
+            image.fill(channel, row..row + 1, &mut samples);
+            for (code, value) in codes[place..].iter_mut().step_by(3).zip(&samples) {
+                *code = to_code(*value, exposure);
+            }
+        }
+    }
+    write_codes(path, width, height, &codes)
+}
+
+fn write_codes(path: &Path, width: u32, height: u32, codes: &[u8]) -> Result<(), ImageError> {
     let mut file = AtomicFile::create(path)?;
     let mut buffer = BufWriter::new(&mut file);
     PngEncoder::new_with_quality(&mut buffer, CompressionType::Default, FilterType::Adaptive)
-        .write_image(&codes, width, height, ExtendedColorType::Rgb8)
+        .write_image(codes, width, height, ExtendedColorType::Rgb8)
         .map_err(|error| match error {
             ::image::ImageError::IoError(source) => ImageError::write(path, source),
             other => ImageError::invalid(path, other.to_string()),
@@ -55,7 +79,8 @@ pub fn write_png(
 }
 
 /// The nearest 8-bit sRGB code of a linear value.
-fn to_code(linear: f64) -> u8 {
+fn to_code(value: f32, exposure: f32) -> u8 {
+    let linear = f64::from(value) * f64::from(exposure.exp2());
     let limited = linear.clamp(0.0, 1.0) as f32;
     // NaN survives up to here and is cast to 0.
     (srgb_encode(limited) * 255.0 + 0.5) as u8

@@ -268,6 +268,8 @@ pub fn render(
         done.counters += counters;
         done.passes += 1;
     }
+    // What they take is enough for the means.
+    drop(buffers);
     let layers: Vec<_> = layers.into_iter().zip(sums).collect();
     let mut means: Vec<_> = layers.iter().map(|(_, sum)| sum.mean()).collect();
     integrator.resolve(&mut means);

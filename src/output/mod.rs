@@ -5,5 +5,5 @@ mod picture;
 mod save;
 
 pub use metadata::{RUN_PREFIX, Record, Run, metadata};
-pub use picture::{LayerChoice, picture};
+pub use picture::{LayerChoice, Picture};
 pub use save::{FileKind, SaveOptions, save};

@@ -1,7 +1,10 @@
 //! From the sums of a render to the channels of a file.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use crate::film::{Accumulator, Layer};
-use crate::image::{Image, Precision, Window};
+use crate::image::{AttributeValue, Precision, Rows, Window};
 use crate::integrator::Rendered;
 
 /// Which layers a file has, and how they are stored.
@@ -14,49 +17,129 @@ pub struct LayerChoice {
     pub variance: bool,
 }
 
-/// Makes an image of a render.
-///
-/// - `film_size`: width and height of the full film, of which the render's window is a part.
-///
-/// Variance is left out where there were fewer than two replicas.
-pub fn picture(rendered: &Rendered, film_size: (u32, u32), choice: LayerChoice) -> Image {
-    let window = rendered.window;
-    let mut image = Image::new(film_size.0, film_size.1);
-    let corner = |low: u32, size: u32| (low as i32, (low + size) as i32 - 1);
-    let (left, right) = corner(window.x, window.width);
-    let (top, bottom) = corner(window.y, window.height);
-    image.data_window = Window {
-        min: [left, top],
-        max: [right, bottom],
-    };
-    for ((layer, _), means) in rendered.layers.iter().zip(&rendered.means) {
-        let precision = if needs_float(layer) {
-            Precision::Float
-        } else {
-            choice.precision
-        };
-        push_layer(&mut image, layer, precision, means);
-    }
-    if choice.variance {
-        for (layer, sums) in &rendered.layers {
-            if let Some((layer, values)) = variance_layer(layer, sums) {
-                push_layer(&mut image, &layer, Precision::Float, &values);
-            }
-        }
-    }
-    image
+/// The picture of a render: rows are made of its sums when they are asked for, so that writing holds a
+/// few rows beside them.
+#[derive(Debug)]
+pub struct Picture<'r> {
+    rendered: &'r Rendered,
+    data_window: Window,
+    display_window: Window,
+    channels: Vec<Source>,
+    /// Attributes of the file.
+    pub metadata: BTreeMap<String, AttributeValue>,
 }
 
-/// The variance of a layer's mean, without alpha; `None` where its spread is not kept, and for layers without colour.
-fn variance_layer(layer: &Layer, sums: &Accumulator) -> Option<(Layer, Vec<f32>)> {
-    let channels = layer.channels.len();
-    let values = sums.variance_of_mean().filter(|_| channels >= 3)?;
-    let without_alpha = values.chunks_exact(channels).flat_map(|pixel| &pixel[..3]);
+/// What a channel shows.
+#[derive(Debug)]
+struct Source {
+    name: String,
+    precision: Precision,
+    /// Index of the layer, and of the channel in it.
+    layer: usize,
+    channel: usize,
+    /// The variance of the mean, rather than the mean.
+    is_variance: bool,
+}
+
+impl<'r> Picture<'r> {
+    /// Shows a render.
+    ///
+    /// - `film_size`: width and height of the full film, of which the render's window is a part.
+    ///
+    /// Variance is left out where there were fewer than two replicas.
+    pub fn new(rendered: &'r Rendered, film_size: (u32, u32), choice: LayerChoice) -> Self {
+        let window = rendered.window;
+        let corner = |low: u32, size: u32| (low as i32, (low + size) as i32 - 1);
+        let (left, right) = corner(window.x, window.width);
+        let (top, bottom) = corner(window.y, window.height);
+        let layers = rendered.layers.iter().enumerate();
+        let means = layers.clone().flat_map(|(index, (layer, _))| {
+            let precision = if needs_float(layer) {
+                Precision::Float
+            } else {
+                choice.precision
+            };
+            sources(index, layer, precision, false)
+        });
+        let mut channels: Vec<Source> = means.collect();
+        for (index, (layer, sums)) in layers.filter(|_| choice.variance) {
+            if let Some(layer) = variance_layer(layer, sums) {
+                channels.extend(sources(index, &layer, Precision::Float, true));
+            }
+        }
+        Self {
+            rendered,
+            data_window: Window {
+                min: [left, top],
+                max: [right, bottom],
+            },
+            display_window: Window::of_size(film_size.0, film_size.1),
+            channels,
+            metadata: BTreeMap::new(),
+        }
+    }
+}
+
+impl Rows for Picture<'_> {
+    fn data_window(&self) -> Window {
+        self.data_window
+    }
+
+    fn display_window(&self) -> Window {
+        self.display_window
+    }
+
+    fn channels(&self) -> Vec<(&str, Precision)> {
+        let channels = self.channels.iter();
+        channels
+            .map(|source| (source.name.as_str(), source.precision))
+            .collect()
+    }
+
+    fn metadata(&self) -> &BTreeMap<String, AttributeValue> {
+        &self.metadata
+    }
+
+    fn fill(&self, channel: usize, rows: Range<usize>, samples: &mut [f32]) {
+        let source = &self.channels[channel];
+        let (layer, sums) = &self.rendered.layers[source.layer];
+        let (stride, width) = (layer.channels.len(), self.data_window.width() as usize);
+        let values = (rows.start * width..rows.end * width)
+            .map(|pixel| pixel * stride + source.channel)
+            .zip(samples);
+        if source.is_variance {
+            values.for_each(|(index, sample)| *sample = sums.variance_of_mean_at(index));
+        } else {
+            let means = &self.rendered.means[source.layer];
+            values.for_each(|(index, sample)| *sample = means[index]);
+        }
+    }
+}
+
+/// The channels of a layer.
+fn sources(index: usize, layer: &Layer, precision: Precision, is_variance: bool) -> Vec<Source> {
+    let names = layer.channel_names().enumerate();
+    let sources = names.map(|(channel, name)| Source {
+        name,
+        precision,
+        layer: index,
+        channel,
+        is_variance,
+    });
+    sources.collect()
+}
+
+/// The layer of the variance of a layer's mean, without alpha; `None` where its spread is not kept, and for
+/// layers without colour.
+fn variance_layer(layer: &Layer, sums: &Accumulator) -> Option<Layer> {
+    if layer.channels.len() < 3 || !sums.has_variance() {
+        return None;
+    }
     let name = match layer.name.as_str() {
         "" => "variance".to_owned(),
         name => format!("{name}.variance"),
     };
-    Some((Layer::new(&name, "RGB"), without_alpha.copied().collect()))
+    Some(Layer::new(&name, "RGB"))
 }
 
 fn needs_float(layer: &Layer) -> bool {
@@ -66,19 +149,11 @@ fn needs_float(layer: &Layer) -> bool {
     )
 }
 
-/// Adds a layer whose values stand pixel by pixel.
-fn push_layer(image: &mut Image, layer: &Layer, precision: Precision, values: &[f32]) {
-    let channels = layer.channels.len();
-    for (index, name) in layer.channel_names().enumerate() {
-        let data = values.iter().skip(index).step_by(channels).copied();
-        image.push(name, precision, data.collect());
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::film::{self, Filter, PassBuffer, Unit};
+    use crate::image::Image;
     use crate::integrator::Counters;
     use crate::math::Vec2;
 
@@ -123,7 +198,8 @@ mod tests {
             precision: Precision::Half,
             variance: true,
         };
-        let image = picture(&rendered(), (8, 6), choice);
+        let rendered = rendered();
+        let image = Image::from_rows(&Picture::new(&rendered, (8, 6), choice));
         assert_eq!(image.data_window.min, [1, 2]);
         assert_eq!(image.data_window.max, [2, 2]);
         assert_eq!(image.display_window, Window::of_size(8, 6));
@@ -148,7 +224,8 @@ mod tests {
             precision: Precision::Float,
             variance: false,
         };
-        let image = picture(&rendered(), (8, 6), choice);
+        let rendered = rendered();
+        let image = Image::from_rows(&Picture::new(&rendered, (8, 6), choice));
         assert!(image.channel("variance.R").is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::image::{ExrOptions, Image, ImageError, write_exr, write_png};
+use crate::image::{ExrOptions, ImageError, Rows, write_exr, write_png_of};
 
 /// Formats that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,12 +44,10 @@ pub struct SaveOptions {
 ///
 /// # Errors
 /// When the file cannot be written, or the image has no channels `R`, `G` and `B` for a PNG.
-pub fn save(path: &Path, image: &Image, options: &SaveOptions) -> Result<u64, ImageError> {
+pub fn save(path: &Path, image: &dyn Rows, options: &SaveOptions) -> Result<u64, ImageError> {
     match FileKind::of(path) {
         Some(FileKind::Png) => {
-            let pixels = image.rgb("").unwrap_or_default();
-            let (width, height) = (image.width(), image.height());
-            write_png(path, width, height, &pixels, options.exposure)?;
+            write_png_of(path, image, options.exposure)?;
             Ok(0)
         }
         Some(FileKind::Exr) | None => Ok(write_exr(path, image, &options.exr)?.clamped),
@@ -59,7 +57,7 @@ pub fn save(path: &Path, image: &Image, options: &SaveOptions) -> Result<u64, Im
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Precision, read_bitmap, read_exr};
+    use crate::image::{Image, Precision, read_bitmap, read_exr};
 
     #[test]
     fn the_extension_decides() {

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{BsdfId, EmitterId, Group, GroupId, Instance, Lights, Object, Scene, build_accel};
+use super::{
+    BsdfId, EmitterId, Group, GroupId, Instance, Lights, Object, Scene, SceneMemory, build_accel,
+    memory_of,
+};
 use crate::accel::{AccelError, Engine};
 use crate::bsdf::{Bsdf, BsdfModel};
 use crate::emitter::{Area, Emitter, EmitterModel, SceneBounds};
@@ -24,6 +27,9 @@ pub struct SceneBuilder {
     /// Memory of all pictures, in bytes.
     pictures: u64,
 }
+
+/// Bytes that an instance takes in the search structure: rather more than less.
+const INSTANCE: u64 = 1000;
 
 /// Triangles whose points are prepared, at most: 16 MiB, which counts little beside what the triangles
 /// of a large scene take by themselves.
@@ -123,6 +129,16 @@ impl SceneBuilder {
             lobes: self.bsdfs[bsdf.0 as usize].lobes(),
             emitter: None,
         }
+    }
+
+    /// What the scene will take in memory; its search structure is estimated.
+    pub fn needed_memory(&self) -> SceneMemory {
+        let objects = self.objects.iter().chain(self.groups.iter().flatten());
+        let mut memory = memory_of(objects.clone(), self.pictures);
+        let trees = objects.map(|object| object.shape.geometry().build_memory(self.engine));
+        let placed = INSTANCE * self.instances.len() as u64;
+        memory.tree.peak = trees.sum::<u64>() + placed;
+        memory
     }
 
     /// Builds the search structures and the choice of lights.

@@ -199,17 +199,10 @@ impl Scene {
 
     /// What it takes in memory.
     pub fn memory(&self) -> SceneMemory {
-        let mut memory = SceneMemory {
+        SceneMemory {
             tree: self.accel.memory(),
-            pictures: self.pictures,
-            ..SceneMemory::default()
-        };
-        for object in &self.objects {
-            let shape = object.shape.memory();
-            memory.buffers += shape.shared;
-            memory.surfaces += shape.own + (size_of::<Object>() + size_of::<Shape>()) as u64;
+            ..memory_of(&self.objects, self.pictures)
         }
-        memory
     }
 
     /// True when nothing stands between two points.
@@ -231,6 +224,20 @@ impl Group {
     fn range(self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
+}
+
+/// What objects take, without a search structure.
+fn memory_of<'o>(objects: impl IntoIterator<Item = &'o Object>, pictures: u64) -> SceneMemory {
+    let mut memory = SceneMemory {
+        pictures,
+        ..SceneMemory::default()
+    };
+    for object in objects {
+        let shape = object.shape.memory();
+        memory.buffers += shape.shared;
+        memory.surfaces += shape.own + (size_of::<Object>() + size_of::<Shape>()) as u64;
+    }
+    memory
 }
 
 /// Builds the search structure of what stands in the world and of all instances.

@@ -24,7 +24,7 @@ pub use error::Error;
 pub use header::{ChannelInfo, Header, SampleType};
 pub use reader::Reader;
 pub use types::{AttributeValue, Chromaticities, Compression, Precision, Window};
-pub use writer::{Channel, Layout, WriteReport, write};
+pub use writer::{Channel, ChannelFormat, Layout, WriteReport, write, write_rows};
 
 /// Version of the library that is loaded now, such as `3.1.5`.
 pub fn version() -> String {

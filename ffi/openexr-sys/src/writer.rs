@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 use std::fs::File;
+use std::ops::Range;
 
 use half::f16;
 
@@ -39,10 +40,19 @@ pub struct Layout {
     pub attributes: BTreeMap<String, AttributeValue>,
 }
 
+/// A channel of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChannelFormat<'a> {
+    /// Name such as `R` or `albedo.R`: at most 255 bytes, no zero byte, no two the same.
+    pub name: &'a str,
+    /// How it is stored.
+    pub precision: Precision,
+}
+
 /// One channel to write.
 #[derive(Clone, Copy, Debug)]
 pub struct Channel<'a> {
-    /// Name such as `R` or `albedo.R`: at most 255 bytes, no zero byte, no two the same.
+    /// As [`ChannelFormat::name`].
     pub name: &'a str,
     /// How it is stored.
     pub precision: Precision,
@@ -68,15 +78,49 @@ pub struct WriteReport {
 /// [`Error::Invalid`] when the arguments contradict each other, [`Error::Unsupported`] when this
 /// version of the library lacks the compression, [`Error::Io`] when the file cannot be written.
 pub fn write(file: &File, layout: &Layout, channels: &[Channel]) -> Result<WriteReport, Error> {
+    let (width, height) = (layout.data_window.width(), layout.data_window.height());
+    let pixels = u64::from(width) * u64::from(height);
+    for Channel { name, samples, .. } in channels {
+        let count = samples.len();
+        if count as u64 != pixels {
+            let message = format!("channel {name} has {count} samples for {width}×{height}");
+            return Err(Error::Invalid(message));
+        }
+    }
+    let formats = channels.iter().map(|channel| ChannelFormat {
+        name: channel.name,
+        precision: channel.precision,
+    });
+    let formats: Vec<_> = formats.collect();
+    write_rows(file, layout, &formats, |index, rows, samples| {
+        let row = |row: usize| row * width as usize;
+        samples.copy_from_slice(&channels[index].samples[row(rows.start)..row(rows.end)]);
+    })
+}
+
+/// Writes a whole file as [`write`] does, whose rows are made when they are needed: what is held at once
+/// are the rows of one chunk, sixteen or thirty-two at most.
+///
+/// - `fill`: is told the index of a channel and which of its rows to put into the samples, which have the
+///   length for it; rows count from the top of the data window.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_rows(
+    file: &File,
+    layout: &Layout,
+    channels: &[ChannelFormat],
+    fill: impl FnMut(usize, Range<usize>, &mut [f32]),
+) -> Result<WriteReport, Error> {
     validate(layout, channels)?;
     let context = Context::write(file.try_clone()?)?;
     let names = write_header(&context, layout, channels)?;
-    let report = write_chunks(&context, layout, channels, &names)?;
+    let report = write_chunks(&context, layout, channels, &names, fill)?;
     context.finish()?;
     Ok(report)
 }
 
-fn validate(layout: &Layout, channels: &[Channel]) -> Result<(), Error> {
+fn validate(layout: &Layout, channels: &[ChannelFormat]) -> Result<(), Error> {
     let invalid = |message: String| Err(Error::Invalid(message));
     let (width, height) = (layout.data_window.width(), layout.data_window.height());
     // A row of floats must have a length in bytes that fits the library's 32-bit strides.
@@ -98,14 +142,8 @@ fn validate(layout: &Layout, channels: &[Channel]) -> Result<(), Error> {
     if channels.is_empty() {
         return invalid("an EXR image needs a channel".to_owned());
     }
-    let pixels = u64::from(width) * u64::from(height);
     for (index, channel) in channels.iter().enumerate() {
-        let (name, count) = (channel.name, channel.samples.len());
-        if count as u64 != pixels {
-            return invalid(format!(
-                "channel {name} has {count} samples for {width}×{height}"
-            ));
-        }
+        let name = channel.name;
         if channels[..index].iter().any(|other| other.name == name) {
             return invalid(format!("two channels have the name {name}"));
         }
@@ -132,7 +170,7 @@ fn to_name(name: &str) -> Result<CString, Error> {
 fn write_header(
     context: &Context,
     layout: &Layout,
-    channels: &[Channel],
+    channels: &[ChannelFormat],
 ) -> Result<Vec<CString>, Error> {
     let names = channels
         .iter()
@@ -190,7 +228,7 @@ fn write_header(
 }
 
 /// True when readers from before `OpenEXR` 2 would refuse a name.
-fn has_long_name(layout: &Layout, channels: &[Channel]) -> bool {
+fn has_long_name(layout: &Layout, channels: &[ChannelFormat]) -> bool {
     let attributes = layout.attributes.keys().map(String::as_str);
     let mut names = channels
         .iter()
@@ -233,8 +271,9 @@ fn set_attribute(context: &Context, name: &CStr, value: &AttributeValue) -> Resu
 fn write_chunks(
     context: &Context,
     layout: &Layout,
-    channels: &[Channel],
+    channels: &[ChannelFormat],
     names: &[CString],
+    mut fill: impl FnMut(usize, Range<usize>, &mut [f32]),
 ) -> Result<WriteReport, Error> {
     let (mut chunk_count, mut chunk_rows) = (0, 0);
     // SAFETY: an open context and valid places to write to.
@@ -249,15 +288,19 @@ fn write_chunks(
     let width = layout.data_window.width() as usize;
     let rows = usize::try_from(chunk_rows).unwrap_or(0).max(1);
     let mut report = WriteReport::default();
+    let mut floats: Vec<Vec<f32>> = vec![Vec::new(); channels.len()];
     let mut halves: Vec<Vec<u16>> = vec![Vec::new(); channels.len()];
     let mut written = 0;
     for first_row in (0..layout.data_window.height() as usize).step_by(rows) {
         let end_row = (first_row + rows).min(layout.data_window.height() as usize);
         let mut planes = Vec::with_capacity(channels.len());
-        for ((channel, name), halves) in channels.iter().zip(names).zip(&mut halves) {
-            let samples = &channel.samples[first_row * width..end_row * width];
+        let buffers = floats.iter_mut().zip(&mut halves);
+        for (index, (samples, halves)) in buffers.enumerate() {
+            let (channel, name) = (&channels[index], &names[index]);
+            samples.resize((end_row - first_row) * width, 0.0);
+            fill(index, first_row..end_row, samples);
             let pointer = match channel.precision {
-                Precision::Float => samples.as_ptr().cast_mut().cast(),
+                Precision::Float => samples.as_mut_ptr().cast(),
                 Precision::Half => {
                     report.clamped += to_halves(samples, halves);
                     halves.as_mut_ptr().cast()

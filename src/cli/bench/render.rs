@@ -21,7 +21,7 @@ use crate::cli::version;
 use crate::image::{ExrOptions, Image, Precision, write_png};
 use crate::math::Rgb;
 use crate::mutation::Move;
-use crate::output::{LayerChoice, SaveOptions, metadata, picture, save};
+use crate::output::{LayerChoice, Picture, SaveOptions, metadata, save};
 use crate::report::{Errors, Missed, Pixels, Trial, Work};
 use crate::scene::import::{Imported, View};
 
@@ -86,7 +86,7 @@ impl Start<'_> {
             threads: usize::from(self.rules.args.threads),
         };
         let title = (!self.rules.args.quiet).then_some(self.title);
-        let finished = job.execute(self.rules.interruption, title);
+        let finished = job.execute(self.rules.interruption, title)?;
         if self.rules.interruption.exit_code().is_some() {
             return Ok(Outcome::Interrupted);
         }
@@ -94,7 +94,7 @@ impl Start<'_> {
             precision: Precision::Float,
             variance: false,
         };
-        let image = picture(&finished.rendered, view.film_size, choice);
+        let image = Image::from_rows(&Picture::new(&finished.rendered, view.film_size, choice));
         let (errors, _) = self.stage.yardstick.measure(colours(&image))?;
         let cost = Cost {
             wall_seconds: finished.run.wall_seconds,

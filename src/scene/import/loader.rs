@@ -8,12 +8,13 @@ use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::Progress;
+use super::bitmaps::Outcome;
 use super::media::Medium;
 use super::mesh::serialized::SerializedFile;
 use super::shapes::{MeshFault, MeshOutcome};
 use super::textures::Carrier;
 use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
-use crate::image::{self, Bitmap};
+use crate::image::Bitmap;
 use crate::scene::{BsdfId, GroupId, SceneBuilder};
 use crate::texture::Texture;
 
@@ -37,8 +38,9 @@ pub(super) struct Loader<'t> {
     pub(super) serialized: HashMap<PathBuf, Result<SerializedFile, MeshFault>>,
     pub(super) meshes: HashMap<ElementId, MeshOutcome>,
     pub(super) progress: Progress,
-    /// Pictures by file, as decoded.
-    pub(super) bitmaps: RefCell<HashMap<PathBuf, Option<Arc<Bitmap>>>>,
+    /// Pictures by file, as decoded; those that were read ahead and wait for their use.
+    pub(super) bitmaps: HashMap<PathBuf, Option<Arc<Bitmap>>>,
+    pub(super) decoded: HashMap<PathBuf, Outcome>,
     /// The material of shapes that name none.
     pub(super) default_bsdfs: [Option<BsdfId>; 2],
     /// The light that surrounds the scene.
@@ -71,7 +73,8 @@ impl<'t> Loader<'t> {
             serialized: HashMap::new(),
             meshes: HashMap::new(),
             progress,
-            bitmaps: RefCell::default(),
+            bitmaps: HashMap::new(),
+            decoded: HashMap::new(),
             default_bsdfs: [None; 2],
             environment: None,
             area_lights: HashSet::new(),
@@ -91,25 +94,6 @@ impl<'t> Loader<'t> {
     /// Where an element stands.
     pub(super) fn location(&self, id: ElementId) -> &'t Location {
         &self.tree[id].location
-    }
-
-    /// Reads a picture, or finds the one that was read before, and takes it into the scene's hash; one
-    /// that cannot be read is noted.
-    pub(super) fn read_bitmap(&self, file: &Path, location: &Location) -> Option<Arc<Bitmap>> {
-        if let Some(known) = self.bitmaps.borrow().get(file) {
-            return known.clone();
-        }
-        let read = self.read_bytes(file, location).and_then(|_| {
-            let read = image::read_bitmap(file);
-            let read = read.map_err(|error| {
-                let message = error.to_string();
-                self.problems.unsupported(location, message, "left out");
-            });
-            read.ok().map(Arc::new)
-        });
-        let mut bitmaps = self.bitmaps.borrow_mut();
-        bitmaps.insert(file.to_owned(), read.clone());
-        read
     }
 
     /// Reads a file that the scene uses, and takes it into the scene's hash; a file that cannot be

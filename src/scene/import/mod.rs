@@ -3,6 +3,7 @@
 //! [`import`] reads a Mitsuba scene file of any generation into an [`Imported`]: the scene, its
 //! views, and what the file asks of the integrator. All problems of the file are reported at once.
 
+mod bitmaps;
 mod bsdfs;
 mod emitters;
 mod integrators;
@@ -12,15 +13,16 @@ pub mod mesh;
 mod model;
 mod progress;
 mod shapes;
+mod shortage;
 mod textures;
 mod views;
 pub mod xml;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::options::Options;
-use super::{BuildError, Scene};
+use super::{BuildError, Scene, SceneBuilder};
 use crate::accel::{AccelError, Engine};
 use crate::film::{Filter, Window};
 use crate::random::SamplerKind;
@@ -28,6 +30,7 @@ use crate::sensor::Sensor;
 use loader::Loader;
 pub use media::{Medium, Phase};
 pub use progress::{Progress, Stage};
+pub use shortage::{Gauge, Shortage};
 use xml::{Diagnostic, ElementKind, Location};
 
 /// How to import a scene.
@@ -41,6 +44,8 @@ pub struct ImportOptions {
     pub engine: Engine,
     /// Who is told how far it has come.
     pub progress: Progress,
+    /// How much memory there is.
+    pub gauge: Gauge,
 }
 
 /// A scene file, imported.
@@ -108,6 +113,14 @@ pub enum ImportError {
     /// The file has errors.
     #[error("{}", all_of(.0))]
     Scene(Vec<Diagnostic>),
+    /// There is not enough memory.
+    #[error("{}: {shortage}", file.display())]
+    Memory {
+        /// The scene's file.
+        file: PathBuf,
+        /// What it needs, and what there is.
+        shortage: Box<Shortage>,
+    },
 }
 
 /// The diagnostics, a line each.
@@ -126,7 +139,7 @@ fn all_of(diagnostics: &[Diagnostic]) -> String {
 ///
 /// # Errors
 /// [`ImportError::Read`] when `file` cannot be read; [`ImportError::Scene`] with all problems of the
-/// file, warnings included, in the order of the file.
+/// file, warnings included, in the order of the file; [`ImportError::Memory`] before memory runs out.
 pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     if let Some(import_model) = model::importer(file) {
         return import_model(file, options);
@@ -137,6 +150,9 @@ pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
     let hash = loader.hash();
     let media = std::mem::take(&mut loader.media);
     let media = media.into_iter().map(|(_, medium)| medium).collect();
+    if !document.problems.has_errors() {
+        check_memory(file, &loader.builder, &options.gauge)?;
+    }
     let scene = match loader.finish() {
         Some(scene) if !document.problems.has_errors() => scene,
         _ => return Err(ImportError::Scene(document.problems.sorted())),
@@ -152,6 +168,20 @@ pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
     })
 }
 
+/// Whether there is memory to build a scene.
+///
+/// # Errors
+/// [`ImportError::Memory`] where it runs short.
+fn check_memory(file: &Path, builder: &SceneBuilder, gauge: &Gauge) -> Result<(), ImportError> {
+    let needed = builder.needed_memory();
+    gauge
+        .check(needed.tree.peak)
+        .map_err(|available| ImportError::Memory {
+            file: file.to_owned(),
+            shortage: Box::new(Shortage { needed, available }),
+        })
+}
+
 impl Loader<'_> {
     /// Builds everything that stands in the scene element.
     fn load(&mut self, options: &ImportOptions) -> (Vec<View>, IntegratorRequest) {
@@ -161,6 +191,7 @@ impl Loader<'_> {
         let mut reader = self.reader(root);
         self.builder.trace_with(options.engine);
         self.take_tree_into_hash(options);
+        self.read_bitmaps_ahead();
         // Materials that no shape uses are read, too: their problems count.
         for bsdf in reader.children(ElementKind::Bsdf) {
             self.bsdf(bsdf);
@@ -223,7 +254,7 @@ impl Loader<'_> {
     }
 
     /// Builds the scene; `None` after noting why there is none.
-    fn finish(mut self) -> Option<Scene> {
+    fn finish(self) -> Option<Scene> {
         if self.problems.has_errors() {
             return None;
         }
@@ -234,10 +265,6 @@ impl Loader<'_> {
             BuildError::Accel(AccelError::Geometry { index, .. }) => elements.nth(*index),
             _ => None,
         };
-        let bitmaps = self.bitmaps.borrow();
-        let pictures = bitmaps.values().flatten();
-        self.builder
-            .note_pictures(pictures.map(|picture| picture.memory()).sum());
         self.progress.tell(Stage::Building);
         let built = self.builder.build();
         self.progress.tell(Stage::Built);

@@ -122,7 +122,7 @@ impl Loader<'_> {
         Some(texture::MeshAttribute::new(surface, values.collect(), by_face).into())
     }
 
-    fn bitmap(&self, reader: &mut ElementReader<'_>) -> Option<Texture> {
+    fn bitmap(&mut self, reader: &mut ElementReader<'_>) -> Option<Texture> {
         let file = reader.file("filename");
         let to_uv = self.to_uv(reader);
         let wraps = [

@@ -149,6 +149,8 @@ impl<'o> Model<'o> {
         if self.problems.has_errors() {
             return Err(ImportError::Scene(self.problems.sorted()));
         }
+        let file = &self.source.path;
+        super::check_memory(file, &self.builder, &self.options.gauge)?;
         self.options.progress.tell(Stage::Building);
         let built = self.builder.build();
         self.options.progress.tell(Stage::Built);
