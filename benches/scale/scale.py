@@ -17,6 +17,7 @@ while loading; all a triangle that is stored. `rays/s` is millions a second of p
 
 import argparse
 import json
+import math
 import statistics
 import subprocess
 import sys
@@ -25,7 +26,6 @@ from pathlib import Path
 
 import scenes
 
-# Beside what a scene takes, a process that has rendered nothing takes this.
 MIB = 1 << 20
 
 
@@ -82,6 +82,12 @@ def table(rows):
     return "\n".join(lines)
 
 
+def nice(step):
+    """The next of 1, 2, 2.5, 5 and their tenfolds."""
+    tenfold = 10 ** math.floor(math.log10(step))
+    return next(n * tenfold for n in (1, 2, 2.5, 5, 10) if n * tenfold >= step)
+
+
 def plot(rows):
     """Three panels over the number of triangles of the terrains, as SVG."""
     names = [name for name in rows if name in scenes.SIDES]
@@ -99,16 +105,16 @@ def plot(rows):
     width, height, left, right, top, bottom = 340, 260, 50, 15, 30, 45
     parts = []
     for index, (title, curves) in enumerate(panels):
-        most = 1.15 * max(value for _, values in curves for value in values)
+        step = nice(max(value for _, values in curves for value in values) / 4)
+        most = 4.4 * step
         place = lambda x, y: (
             index * width + left + x / max(xs) * (width - left - right),
             height - bottom - y / most * (height - top - bottom),
         )
-        for step in range(5):
-            y = most * step / 4
+        for y in (step * line for line in range(5)):
             (x0, at), (x1, _) = place(0, y), place(max(xs), y)
             parts.append(f'<path d="M{x0:.1f} {at:.1f}H{x1:.1f}" stroke="#ddd"/>')
-            label = f"{y:.0f}" if most > 8 else f"{y:.1f}"
+            label = f"{y:g}"
             parts.append(f'<text x="{x0 - 5:.1f}" y="{at + 4:.1f}" text-anchor="end">{label}</text>')
         for x in xs:
             at = place(x, 0)
@@ -123,7 +129,8 @@ def plot(rows):
             parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
             parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points]
             x, y = points[-1]
-            parts.append(f'<text x="{x:.1f}" y="{y - 8:.1f}" text-anchor="end" fill="{colour}">{name}</text>')
+            y += 18 if number == 2 else -8
+            parts.append(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="end" fill="{colour}">{name}</text>')
     size = f'width="{3 * width}" height="{height}" viewBox="0 0 {3 * width} {height}"'
     return "\n".join([
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif" font-size="11">',
