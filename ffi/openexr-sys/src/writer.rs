@@ -266,6 +266,17 @@ fn set_attribute(context: &Context, name: &CStr, value: &AttributeValue) -> Resu
     context.check(code)
 }
 
+/// Number of chunks, and of rows in each but the last.
+fn chunks(context: &Context) -> Result<(i32, i32), Error> {
+    let (mut count, mut rows) = (0, 0);
+    // SAFETY: an open context and valid places to write to.
+    unsafe {
+        context.check(c::exr_get_chunk_count(context.raw(), 0, &mut count))?;
+        context.check(c::exr_get_scanlines_per_chunk(context.raw(), 0, &mut rows))?;
+    }
+    Ok((count, rows))
+}
+
 /// Encodes all chunks from the top down and makes sure that there are as many as the header says:
 /// the library closes a file without complaint when some are missing.
 fn write_chunks(
@@ -275,16 +286,7 @@ fn write_chunks(
     names: &[CString],
     mut fill: impl FnMut(usize, Range<usize>, &mut [f32]),
 ) -> Result<WriteReport, Error> {
-    let (mut chunk_count, mut chunk_rows) = (0, 0);
-    // SAFETY: an open context and valid places to write to.
-    unsafe {
-        context.check(c::exr_get_chunk_count(context.raw(), 0, &mut chunk_count))?;
-        context.check(c::exr_get_scanlines_per_chunk(
-            context.raw(),
-            0,
-            &mut chunk_rows,
-        ))?;
-    }
+    let (chunk_count, chunk_rows) = chunks(context)?;
     let width = layout.data_window.width() as usize;
     let rows = usize::try_from(chunk_rows).unwrap_or(0).max(1);
     let mut report = WriteReport::default();

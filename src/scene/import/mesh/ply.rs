@@ -57,20 +57,15 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
         match element.name.as_str() {
             "vertex" if fixed::vertices(&mut body, element, &mut mesh) => {}
             "vertex" => read_vertices(&mut body, element, &mut mesh, &mut warnings)?,
-            "face" => {
-                if let Some(triangles) = fixed::triangles(&mut body, element, vertex_count) {
-                    faces.take(triangles);
-                    continue;
+            "face" => match fixed::triangles(&mut body, element, vertex_count) {
+                Some(triangles) => faces.take(triangles),
+                None => {
+                    let is_known = |_: &str| false;
+                    of_faces = Columns::of(element, AttributeDomain::Face, is_known, &mut warnings);
+                    let others = &mut of_faces;
+                    read_lists(&mut body, element, others, &mut faces, Faces::polygon)?;
                 }
-                of_faces = Columns::of(element, AttributeDomain::Face, |_| false, &mut warnings);
-                read_lists(
-                    &mut body,
-                    element,
-                    &mut of_faces,
-                    &mut faces,
-                    Faces::polygon,
-                )?;
-            }
+            },
             "tristrips" => {
                 let nothing = &mut Columns::default();
                 read_lists(&mut body, element, nothing, &mut faces, Faces::strip)?;
@@ -95,6 +90,12 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
         warnings.push(format!("bytes after the last element, ignored: {trailing}"));
     }
     mesh.indices = faces.triangles;
+    add_attributes(&mut mesh, of_faces, &mut warnings);
+    ImportedMesh::finish(mesh, warnings)
+}
+
+/// Gives a mesh the attributes of its faces.
+fn add_attributes(mesh: &mut MeshData, of_faces: Columns, warnings: &mut Vec<String>) {
     for attribute in of_faces.attributes {
         // Triangles of strips have none.
         if attribute.values.len() == mesh.indices.len() {
@@ -103,7 +104,6 @@ pub fn parse(bytes: &[u8], flip_tex_coords: bool) -> Result<ImportedMesh, MeshPr
             warnings.push(format!("not all faces have {}; ignored", attribute.name));
         }
     }
-    ImportedMesh::finish(mesh, warnings)
 }
 
 /// Where a vertex property goes in the eight numbers x, y, z, nx, ny, nz, u, v.
