@@ -15,7 +15,6 @@ pub(super) use bench::{BenchArgs, BenchEffort};
 pub(super) use tracer::{CrosscheckArgs, TracerArgs};
 
 use super::help;
-use crate::film::Window;
 
 /// Everything that can stand after `lumiflow`.
 #[derive(Debug, Parser)]
@@ -351,12 +350,6 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     let possible = 1..=LONGEST_SIDE;
     if !possible.contains(&width) || !possible.contains(&height) {
         return Err(format!("width and height go from 1 to {LONGEST_SIDE}"));
-    }
-    if !Window::full(width, height).is_affordable() {
-        let most = Window::MOST_PIXELS;
-        return Err(format!(
-            "{width}x{height} pixels are too many, expected {most} at most"
-        ));
     }
     Ok((width, height))
 }

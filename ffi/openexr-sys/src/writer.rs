@@ -78,6 +78,12 @@ pub struct WriteReport {
 /// [`Error::Invalid`] when the arguments contradict each other, [`Error::Unsupported`] when this
 /// version of the library lacks the compression, [`Error::Io`] when the file cannot be written.
 pub fn write(file: &File, layout: &Layout, channels: &[Channel]) -> Result<WriteReport, Error> {
+    let formats = channels.iter().map(|channel| ChannelFormat {
+        name: channel.name,
+        precision: channel.precision,
+    });
+    let formats: Vec<_> = formats.collect();
+    validate(layout, &formats)?;
     let (width, height) = (layout.data_window.width(), layout.data_window.height());
     let pixels = u64::from(width) * u64::from(height);
     for Channel { name, samples, .. } in channels {
@@ -87,11 +93,6 @@ pub fn write(file: &File, layout: &Layout, channels: &[Channel]) -> Result<Write
             return Err(Error::Invalid(message));
         }
     }
-    let formats = channels.iter().map(|channel| ChannelFormat {
-        name: channel.name,
-        precision: channel.precision,
-    });
-    let formats: Vec<_> = formats.collect();
     write_rows(file, layout, &formats, |index, rows, samples| {
         let row = |row: usize| row * width as usize;
         samples.copy_from_slice(&channels[index].samples[row(rows.start)..row(rows.end)]);
