@@ -2,9 +2,8 @@
 
 use lumiflow::bsdf::{BsdfModel, BsdfSample, SampleNumbers, Sampled, Spare, Transport};
 use lumiflow::math::Local;
-use lumiflow::math::statistics::sidak;
+use lumiflow::math::statistics::{sidak, two_samples_p};
 use lumiflow::random::{Purpose, Stream};
-use statrs::function::gamma::gamma_ur;
 
 use crate::support::effort::{level, samples, seed};
 use crate::support::faulty::{Fault, Faulty};
@@ -101,27 +100,6 @@ fn spread_p(bsdf: &dyn BsdfModel, view: View, stream: &mut Stream) -> Option<f64
         }
     }
     two_samples_p(&given, &found)
-}
-
-/// Chance (Pearson's χ²) that two histograms come from one distribution.
-fn two_samples_p(first: &[f64], second: &[f64]) -> Option<f64> {
-    let sums = [first, second].map(|counts| counts.iter().sum::<f64>());
-    let total = sums[0] + sums[1];
-    let kept: Vec<(f64, f64)> = first
-        .iter()
-        .zip(second)
-        .filter(|(a, b)| **a + **b >= 20.0)
-        .map(|(a, b)| (*a, *b))
-        .collect();
-    if kept.len() < 2 {
-        return None;
-    }
-    let of = |(a, b): &(f64, f64)| {
-        let [ea, eb] = sums.map(|sum| (a + b) * sum / total);
-        (a - ea).powi(2) / ea + (b - eb).powi(2) / eb
-    };
-    let statistic: f64 = kept.iter().map(of).sum();
-    Some(gamma_ur((kept.len() as f64 - 1.0) / 2.0, statistic / 2.0))
 }
 
 /// Every example from every view; only samplers of normals that turn ask for the transport.

@@ -2,7 +2,7 @@
 
 use super::Component;
 use crate::math::warp::ONE_MINUS_EPSILON;
-use crate::math::{Local, Vec2};
+use crate::math::{Local, Vec2, warp};
 
 /// The numbers that [`super::BsdfModel::sample`] is given, each in `[0, 1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +47,10 @@ impl SampleNumbers {
     /// The same, with other numbers for the direction; those out of range by rounding are moved in.
     #[inline]
     pub(super) fn with_direction(self, u: Vec2) -> Self {
-        let u = u.clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON));
-        Self { u, ..self }
+        Self {
+            u: warp::into_unit_square(u),
+            ..self
+        }
     }
 }
 

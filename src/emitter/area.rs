@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::emission::from_surface_density;
-use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample};
+use super::emission::{from_surface_density, invert_from_surface};
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample, RayOfLight};
 use crate::math::{AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::{Disk, Shape, ShapeModel, Sphere, SurfacePoint, TriangleMesh, primitives};
 use crate::texture::{Checkerboard, Texture, TextureModel};
@@ -183,5 +183,25 @@ impl EmitterModel for Area {
                 from_surface_density(at, direction)
             }),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        from: Vec3,
+        _toward: Vec3,
+        at: Option<&SurfacePoint>,
+        _spare: Vec2,
+    ) -> Option<Vec2> {
+        self.shape.invert_toward(from, at?)
+    }
+
+    fn invert_emission(
+        &self,
+        at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        _spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        let direction = invert_from_surface(at?, ray.direction)?;
+        Some([self.shape.invert_area(at?)?, direction])
     }
 }

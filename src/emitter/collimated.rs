@@ -1,6 +1,9 @@
 //! A single ray of light.
 
-use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample,
+    RayOfLight,
+};
 use crate::math::{AreaDensity, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::SurfacePoint;
 
@@ -83,6 +86,25 @@ impl EmitterModel for Collimated {
             point: AreaDensity(1.0),
             direction: SolidAngleDensity(1.0),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        _toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        _spare: Vec2,
+    ) -> Option<Vec2> {
+        None
+    }
+
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        _ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        Some(spare)
     }
 }
 

@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample, SceneBounds};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample, RayOfLight, SceneBounds,
+};
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
 
@@ -86,5 +88,26 @@ impl EmitterModel for Constant {
             point: self.bounds.disk_density(),
             direction: self.environment_density(-direction),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        _spare: Vec2,
+    ) -> Option<Vec2> {
+        let u = warp::uniform_sphere_inverse(toward);
+        Some(warp::into_unit_square(u))
+    }
+
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        let direction = self.invert_toward(ray.through, -ray.direction, None, spare[1])?;
+        Some([self.bounds.invert_disk(ray)?, direction])
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{
     EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample,
-    SceneBounds,
+    RayOfLight, SceneBounds,
 };
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3};
 use crate::shape::SurfacePoint;
@@ -86,6 +86,27 @@ impl EmitterModel for Directional {
             point: self.bounds.disk_density(),
             direction: SolidAngleDensity(1.0),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        _toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2> {
+        Some(spare)
+    }
+
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        let direction = self.direction;
+        let point = self.bounds.invert_disk(RayOfLight { direction, ..ray })?;
+        Some([point, spare[1]])
     }
 }
 

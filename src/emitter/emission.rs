@@ -14,6 +14,15 @@ pub struct EmissionDensity {
     pub direction: SolidAngleDensity,
 }
 
+/// Where light goes along.
+#[derive(Clone, Copy, Debug)]
+pub struct RayOfLight {
+    /// Any point of the ray inside of the scene, or where it starts.
+    pub through: Vec3,
+    /// Unit direction in which the light travels.
+    pub direction: Vec3,
+}
+
 /// A ray of light that was sampled.
 #[derive(Clone, Copy, Debug)]
 pub struct EmittedRay {
@@ -161,7 +170,23 @@ pub(super) fn from_surface_density(at: &SurfacePoint, direction: Vec3) -> SolidA
     SolidAngleDensity(warp::cosine_hemisphere_density(cos))
 }
 
+/// Goes back from a direction to the numbers of [`EmittedRay::from_surface`]; `None` behind the surface.
+pub(super) fn invert_from_surface(at: &SurfacePoint, direction: Vec3) -> Option<Vec2> {
+    let local = Frame::around(at.geometric_normal).to_local(direction);
+    (local.cos() > 0.0).then(|| warp::into_unit_square(warp::cosine_hemisphere_inverse(local.0)))
+}
+
 impl SceneBounds {
+    /// Goes back from a ray to the numbers of its point for [`EmittedRay::from_infinity`]; `None` for one that
+    /// passes the scene by.
+    pub(super) fn invert_disk(&self, ray: RayOfLight) -> Option<Vec2> {
+        let local = Frame::around(-ray.direction).to_local(ray.through - self.centre);
+        let place = local.0.truncate() / self.radius;
+        // The scene may reach the rim, and rounding beyond it.
+        (place.length() < 1.0 + 1e-4)
+            .then(|| warp::into_unit_square(warp::uniform_disk_inverse(place)))
+    }
+
     /// Density of a uniform point on the largest disk inside of the sphere.
     #[inline]
     pub fn disk_density(&self) -> AreaDensity {

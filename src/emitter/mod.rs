@@ -25,7 +25,7 @@ pub use area::Area;
 pub use collimated::Collimated;
 pub use constant::Constant;
 pub use directional::Directional;
-pub use emission::{EmissionDensity, EmittedRay};
+pub use emission::{EmissionDensity, EmittedRay, RayOfLight};
 pub use envmap::Envmap;
 pub use point::Point;
 pub use projector::Projector;
@@ -224,6 +224,37 @@ pub trait EmitterModel {
     /// - `at`: the point of an area light; `None` for others.
     /// - `direction`: unit, in which the light travels. A light of one direction takes any for that one.
     fn emission_density(&self, at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity;
+
+    /// Goes back from a direction to the numbers that [`EmitterModel::sample_toward`] makes it of.
+    ///
+    /// - `toward`: unit, from the asking point to the emitter.
+    /// - `at`: the point of an area light; `None` for others.
+    /// - `spare`: uniform in the unit square; stands in for what the direction leaves open. Of the
+    ///   direction of a sample of uniform numbers, the result is uniform again.
+    ///
+    /// `None` where nothing is sampled so.
+    fn invert_toward(
+        &self,
+        from: Vec3,
+        toward: Vec3,
+        at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2>;
+
+    /// Goes back from a ray to the numbers that [`EmitterModel::sample_emission`] makes it of: those of
+    /// the point, and those of the direction. A light at a point has no numbers for the one, parallel
+    /// light none for the other: they are `spare`.
+    ///
+    /// - `at`: the point of an area light; `None` for others.
+    /// - `spare`: as with [`EmitterModel::invert_toward`], for either pair.
+    ///
+    /// `None` where no such ray is made.
+    fn invert_emission(
+        &self,
+        at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]>;
 }
 
 impl Emitter {
@@ -318,6 +349,14 @@ macro_rules! emitter_models {
             #[inline]
             fn emission_density(&self, at: Option<&SurfacePoint>, direction: Vec3) -> EmissionDensity {
                 match self { $(Self::$model(e) => e.emission_density(at, direction),)* }
+            }
+            fn invert_toward(&self, from: Vec3, toward: Vec3, at: Option<&SurfacePoint>, spare: Vec2)
+                -> Option<Vec2> {
+                match self { $(Self::$model(e) => e.invert_toward(from, toward, at, spare),)* }
+            }
+            fn invert_emission(&self, at: Option<&SurfacePoint>, ray: RayOfLight, spare: [Vec2; 2])
+                -> Option<[Vec2; 2]> {
+                match self { $(Self::$model(e) => e.invert_emission(at, ray, spare),)* }
             }
         }
     };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample};
+use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterModel, EmitterSample, RayOfLight};
 use crate::math::{AreaDensity, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
 use crate::shape::SurfacePoint;
 
@@ -73,5 +73,25 @@ impl EmitterModel for Point {
             point: AreaDensity(1.0),
             direction: SolidAngleDensity(warp::UNIFORM_SPHERE_DENSITY),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        _toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2> {
+        Some(spare)
+    }
+
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        let u = warp::uniform_sphere_inverse(ray.direction);
+        Some([spare[0], warp::into_unit_square(u)])
     }
 }

@@ -2,8 +2,13 @@
 
 use std::f32::consts::PI;
 
-use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample};
-use crate::math::{AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample,
+    RayOfLight,
+};
+use crate::math::{
+    AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part, warp,
+};
 use crate::shape::SurfacePoint;
 use crate::texture::{Texture, TextureModel};
 
@@ -145,6 +150,27 @@ impl EmitterModel for Projector {
             point: AreaDensity(1.0),
             direction: SolidAngleDensity(stretch / screen),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        _toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2> {
+        Some(spare)
+    }
+
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        // What goes through the slide at (u, v) is made of the same numbers.
+        let (u, _) = self.through_slide(ray.direction)?;
+        Some([spare[0], warp::into_unit_square(u)])
     }
 }
 

@@ -2,7 +2,10 @@
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample};
+use super::{
+    EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample,
+    RayOfLight,
+};
 use crate::math::{
     AreaDensity, Mat3, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, rotation_part, warp,
 };
@@ -236,6 +239,28 @@ impl EmitterModel for Spot {
             point: AreaDensity(1.0),
             direction: SolidAngleDensity(if is_inside { cone } else { 0.0 }),
         }
+    }
+
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        _toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2> {
+        Some(spare)
+    }
+
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        let is_made = self.emission_density(None, ray.direction).direction.0 > 0.0;
+        let local = self.axes.transpose() * ray.direction;
+        let u = is_made.then(|| warp::uniform_cone_inverse(local, self.beam.one_minus_cos()))?;
+        Some([spare[0], warp::into_unit_square(u)])
     }
 }
 

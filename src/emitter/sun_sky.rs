@@ -2,6 +2,8 @@
 
 mod position;
 mod sun_light;
+#[cfg(test)]
+mod tests;
 
 pub use position::DateAndPlace;
 pub use sun_light::SUN_RADIUS;
@@ -15,7 +17,7 @@ use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
 
 use super::{
     EmissionDensity, EmittedRay, EmitterClass, EmitterError, EmitterModel, EmitterSample, Envmap,
-    SceneBounds,
+    RayOfLight, SceneBounds,
 };
 use crate::image::{Bitmap, Texels};
 use crate::math::{Frame, Mat4, Rgb, SolidAngleDensity, Vec2, Vec3, warp};
@@ -183,6 +185,22 @@ impl Sun {
         std::f32::consts::TAU * self.one_minus_cos * self.radiance.luminance()
     }
 
+    /// A unit direction, uniform on the disk.
+    #[inline]
+    fn sample(&self, u: Vec2) -> Vec3 {
+        let local = warp::uniform_cone(u, self.one_minus_cos);
+        let frame = &self.frame;
+        let across = frame.tangent * local.x + frame.bitangent * local.y;
+        (across + frame.normal * local.z).normalize()
+    }
+
+    /// Undoes [`Sun::sample`]; `None` beside the disk.
+    fn invert(&self, toward: Vec3) -> Option<Vec2> {
+        let local = self.frame.to_local(toward).0;
+        let u = warp::uniform_cone_inverse(local, self.one_minus_cos);
+        self.is_seen(toward).then(|| warp::into_unit_square(u))
+    }
+
     /// True for directions that meet the disk.
     #[inline]
     fn is_seen(&self, toward: Vec3) -> bool {
@@ -260,10 +278,7 @@ impl EmitterModel for SunSky {
         } else {
             let x = (u.x - self.sky_share) / (1.0 - self.sky_share);
             let u = Vec2::new(x.clamp(0.0, warp::ONE_MINUS_EPSILON), u.y);
-            let local = warp::uniform_cone(u, self.sun.one_minus_cos);
-            let frame = &self.sun.frame;
-            let across = frame.tangent * local.x + frame.bitangent * local.y;
-            (across + frame.normal * local.z).normalize()
+            self.sun.sample(u)
         };
         let radiance = self.environment_radiance(direction);
         if radiance.is_black() {
@@ -302,76 +317,31 @@ impl EmitterModel for SunSky {
             direction: self.environment_density(-direction),
         }
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn noon() -> SunSkySettings {
-        SunSkySettings {
-            up: Vec3::Z,
-            to_sun: Vec3::new(0.0, -0.5, 1.0),
-            turbidity: 3.0,
-            albedo: Rgb::grey(0.3),
-            sky_scale: 1.0,
-            sun_scale: 1.0,
-            sun_radius_scale: 1.0,
+    fn invert_toward(
+        &self,
+        _from: Vec3,
+        toward: Vec3,
+        _at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2> {
+        let sky = self.sky_share * self.sky.environment_density(toward).0;
+        let sun = self.environment_density(toward).0 - sky;
+        if spare.x * (sky + sun) < sky {
+            let u = self.sky.invert_direction(toward)?;
+            return Some(Vec2::new(warp::within(u.x, 0.0, self.sky_share), u.y));
         }
+        let u = self.sun.invert(toward)?;
+        Some(Vec2::new(warp::within(u.x, self.sky_share, 1.0), u.y))
     }
 
-    #[test]
-    fn the_sky_is_blue_brighter_near_the_sun_and_ends_at_the_horizon() {
-        let day = SunSky::new(noon()).unwrap();
-        let at = |x, y, z| day.environment_radiance(Vec3::new(x, y, z).normalize());
-        let zenith = at(0.0, 0.0, 1.0);
-        assert!(zenith.0.z > 1.5 * zenith.0.x, "{zenith:?}");
-        let (near, far) = (at(0.0, -0.6, 1.0), at(0.0, 0.6, 1.0));
-        assert!(near.luminance() > 2.0 * far.luminance());
-        assert_eq!(at(0.3, 0.2, -0.1), Rgb::BLACK);
-        // 5 to 20 klx, as skylight is, of 683 lm/W times ∫ȳ.
-        let sky = day.sky.influence(Vec3::ZERO) * 683.0 * OBSERVER_INTEGRAL;
-        assert!((3e3..2e4).contains(&sky), "{sky}");
-    }
-
-    #[test]
-    fn a_larger_sun_gives_the_same_light() {
-        let [small, large] = [1.0, 10.0].map(|sun_radius_scale| {
-            let day = SunSky::new(SunSkySettings {
-                sun_radius_scale,
-                ..noon()
-            });
-            day.unwrap().sun
-        });
-        assert!((small.irradiance() / large.irradiance() - 1.0).abs() < 1e-4);
-        assert!(small.radiance.luminance() > 90.0 * large.radiance.luminance());
-        let toward = small.frame.normal + small.frame.tangent * 0.02;
-        assert!(!small.is_seen(toward.normalize()) && large.is_seen(toward.normalize()));
-    }
-
-    #[test]
-    fn days_that_cannot_be_are_refused() {
-        let refused = |change: fn(&mut SunSkySettings)| {
-            let mut settings = noon();
-            change(&mut settings);
-            SunSky::new(settings).err()
-        };
-        assert_eq!(
-            refused(|s| s.to_sun.z = -0.1),
-            Some(EmitterError::SunBelowHorizon)
-        );
-        assert_eq!(refused(|s| s.turbidity = 11.0), Some(EmitterError::BadAir));
-        assert_eq!(
-            refused(|s| s.albedo = Rgb::grey(1.1)),
-            Some(EmitterError::BadAir)
-        );
-        assert_eq!(
-            refused(|s| s.up = Vec3::ZERO),
-            Some(EmitterError::NoDirection)
-        );
-        assert_eq!(
-            refused(|s| s.sky_scale = -1.0),
-            Some(EmitterError::BadScale)
-        );
+    fn invert_emission(
+        &self,
+        _at: Option<&SurfacePoint>,
+        ray: RayOfLight,
+        spare: [Vec2; 2],
+    ) -> Option<[Vec2; 2]> {
+        let direction = self.invert_toward(ray.through, -ray.direction, None, spare[1])?;
+        Some([self.bounds.invert_disk(ray)?, direction])
     }
 }

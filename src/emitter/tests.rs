@@ -1,6 +1,7 @@
 //! Every emitter's samples against its densities, its radiance and its power.
 
 mod emission;
+mod inversion;
 
 use super::*;
 use crate::math::statistics::chi_square_p;

@@ -1,7 +1,7 @@
 //! Discrete and piecewise-constant distributions.
 
-use super::Vec2;
 use super::warp::ONE_MINUS_EPSILON;
+use super::{Vec2, warp};
 
 /// A distribution over `0..n`, in proportion to given weights.
 #[derive(Clone, Debug)]
@@ -83,9 +83,10 @@ impl Discrete {
         }
     }
 
-    /// Undoes [`Discrete::sample`].
-    pub fn invert(&self, index: usize, remainder: f32) -> f32 {
-        self.cumulative[index] + remainder * self.probability(index)
+    /// Undoes [`Discrete::sample`]; `None` for an index that is never chosen.
+    pub fn invert(&self, index: usize, remainder: f32) -> Option<f32> {
+        let (low, high) = (self.cumulative[index], self.cumulative[index + 1]);
+        (low < high).then(|| warp::within(remainder, low, high))
     }
 }
 
@@ -187,9 +188,17 @@ impl PiecewiseConstant2d {
         let (row, v) = cell(point.y, self.rows.len());
         let columns = self.columns[row].as_ref()?;
         let (column, u) = cell(point.x, columns.len());
+        self.invert_cell([column, row], Vec2::new(u, v))
+    }
+
+    /// Undoes [`PiecewiseConstant2d::sample_cell`]; `None` for a cell that is never chosen.
+    ///
+    /// - `cell`: column and row.
+    pub fn invert_cell(&self, [column, row]: [usize; 2], remainder: Vec2) -> Option<Vec2> {
+        let columns = self.columns[row].as_ref()?;
         Some(Vec2::new(
-            columns.invert(column, u),
-            self.rows.invert(row, v),
+            columns.invert(column, remainder.x)?,
+            self.rows.invert(row, remainder.y)?,
         ))
     }
 }
@@ -217,7 +226,20 @@ mod tests {
         assert_eq!(d.sample(0.25).index, 2);
         assert_eq!(d.sample(ONE_MINUS_EPSILON).index, 2);
         assert!((d.sample(0.625).remainder - 0.5).abs() < 1e-6);
-        assert_eq!(d.invert(2, 0.5), 0.625);
+        assert_eq!(d.invert(2, 0.5), Some(0.625));
+        assert_eq!(d.invert(1, 0.5), None);
+    }
+
+    #[test]
+    fn numbers_found_choose_the_same_index() {
+        let weights: Vec<f64> = (0..300).map(|i| f64::from(i * 7919 % 101)).collect();
+        let d = Discrete::new(&weights).unwrap();
+        for index in (0..300).filter(|i| weights[*i] > 0.0) {
+            for remainder in [0.0, 0.3, ONE_MINUS_EPSILON, 1.0] {
+                let u = d.invert(index, remainder).unwrap();
+                assert_eq!(d.sample(u).index, index);
+            }
+        }
     }
 
     #[test]

@@ -56,6 +56,30 @@ pub fn chi_square_p(observed: &[f64], expected: &[f64]) -> Option<f64> {
     (cells >= 2).then(|| gamma_ur((f64::from(cells) - 1.0) / 2.0, chi_square / 2.0))
 }
 
+/// Chance (Pearson's χ²) that two histograms come from one distribution, of what is in cells of twenty or
+/// more in both together.
+///
+/// `None` when fewer than two cells are so full.
+pub fn two_samples_p(first: &[f64], second: &[f64]) -> Option<f64> {
+    let sums = [first, second].map(|counts| counts.iter().sum::<f64>());
+    let total = sums[0] + sums[1];
+    let kept: Vec<(f64, f64)> = first
+        .iter()
+        .zip(second)
+        .filter(|(a, b)| **a + **b >= 20.0)
+        .map(|(a, b)| (*a, *b))
+        .collect();
+    if kept.len() < 2 {
+        return None;
+    }
+    let of = |(a, b): &(f64, f64)| {
+        let [ea, eb] = sums.map(|sum| (a + b) * sum / total);
+        (a - ea).powi(2) / ea + (b - eb).powi(2) / eb
+    };
+    let statistic: f64 = kept.iter().map(of).sum();
+    Some(gamma_ur((kept.len() as f64 - 1.0) / 2.0, statistic / 2.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,5 +110,9 @@ mod tests {
         assert!(chi_square_p(&observed, &tilted).unwrap() < 1e-6);
         assert_eq!(chi_square_p(&[3.0, 7.0], &[0.0, 10.0]), Some(0.0));
         assert_eq!(chi_square_p(&[7.0], &[10.0]), None);
+        let p = two_samples_p(&observed, &[5_000.0; 10]);
+        assert!(p.unwrap() > 0.001);
+        assert!(two_samples_p(&observed, &tilted).unwrap() < 1e-3);
+        assert_eq!(two_samples_p(&[7.0, 3.0], &[20.0, 3.0]), None);
     }
 }

@@ -34,6 +34,21 @@ fn below(limit: f32) -> f32 {
     })
 }
 
+/// Numbers that rounding may have led out of `[0, 1)`, moved in.
+#[inline]
+pub fn into_unit_square(u: Vec2) -> Vec2 {
+    u.clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON))
+}
+
+/// The number at a place inside of a part of `[0, 1)`; rounding does not lead to the next part.
+///
+/// - `low`, `high`: where the part begins and where the next one does, not the same.
+/// - `place`: in `[0, 1]`.
+#[inline]
+pub fn within(place: f32, low: f32, high: f32) -> f32 {
+    (low + place * (high - low)).min(below(high))
+}
+
 /// Uniform on the unit disk, with little distortion of neighbouring strata.
 ///
 /// Source: Shirley & Chiu 1997.
@@ -238,7 +253,17 @@ mod tests {
     #[test]
     fn stretching_never_reaches_the_upper_corner() {
         let last = Vec2::splat(ONE_MINUS_EPSILON);
-        for corner in [-2000.0, -16.0, -3.0, -1.0, 0.0, 15.0, 4095.0, 16_383.0, 65_535.0_f32] {
+        for corner in [
+            -2000.0,
+            -16.0,
+            -3.0,
+            -1.0,
+            0.0,
+            15.0,
+            4095.0,
+            16_383.0,
+            65_535.0_f32,
+        ] {
             let (low, high) = (Vec2::splat(corner), Vec2::splat(corner + 1.0));
             let found = stretch(last, low, high);
             assert!(low.cmple(found).all() && found.cmplt(high).all(), "{found}");

@@ -230,6 +230,34 @@ impl Lights {
         SolidAngleDensity(self.probability(id, from) * self.get(id).density_toward(from, at).0)
     }
 
+    /// Goes back from a direction to the numbers that [`Lights::sample_toward`] makes it of; see
+    /// [`EmitterModel::invert_toward`].
+    ///
+    /// - `id`: the emitter that is chosen.
+    pub fn invert_toward(
+        &self,
+        id: EmitterId,
+        (from, toward): (Vec3, Vec3),
+        at: Option<&SurfacePoint>,
+        spare: Vec2,
+    ) -> Option<Vec2> {
+        let u = self.get(id).invert_toward(from, toward, at, spare)?;
+        let index = id.0 as usize;
+        let x = match self.emitters.len() {
+            1 => Some(u.x),
+            2..=WEIGHED => Some(self.weighed(from).invert(index, u.x)),
+            _ => self.by_power.as_ref()?.invert(index, u.x),
+        };
+        Some(Vec2::new(x?, u.y))
+    }
+
+    /// Goes back from an emitter to a number with which [`Lights::sample_emission`] chooses it.
+    ///
+    /// - `spare`: uniform in `[0, 1)`, like the result if the emitter is chosen so.
+    pub fn invert_emission_choice(&self, id: EmitterId, spare: f32) -> Option<f32> {
+        self.by_power.as_ref()?.invert(id.0 as usize, spare)
+    }
+
     /// Radiance that arrives from the unit direction `toward` infinity.
     #[inline]
     pub fn environment_radiance(&self, toward: Vec3) -> Rgb {
@@ -264,6 +292,17 @@ impl Weighed {
         (1.0 - UNIFORM) * self.weights[index] / self.total + UNIFORM * uniform
     }
 
+    /// Undoes [`Weighed::choose`].
+    fn invert(&self, index: usize, remainder: f32) -> f32 {
+        let below = (0..index).fold(0.0, |sum, i| sum + self.probability(i));
+        let end = if index + 1 == self.count {
+            1.0
+        } else {
+            below + self.probability(index)
+        };
+        warp::within(remainder, below, end)
+    }
+
     fn choose(&self, u: f32) -> Choice {
         let mut below = 0.0;
         for index in 0..self.count {
@@ -284,80 +323,4 @@ impl Weighed {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::emitter::{Constant, Point};
-
-    fn points(count: usize) -> Lights {
-        let point =
-            |i: usize| Point::new(Vec3::new(i as f32, 0.0, 0.0), Rgb::grey(1.0 + i as f32)).into();
-        Lights::new((0..count).map(point).collect())
-    }
-
-    #[test]
-    fn choices_have_the_probability_they_say() {
-        let from = Vec3::new(0.2, 1.0, 0.0);
-        for count in [1, 2, 7, WEIGHED, WEIGHED + 1, 40] {
-            let lights = points(count);
-            let n = 20_000;
-            let mut counts = vec![0; count];
-            for i in 0..n {
-                let u = (i as f32 + 0.5) / n as f32;
-                let choice = lights.choose(from, u).unwrap();
-                counts[choice.index] += 1;
-                assert!((0.0..1.0).contains(&choice.remainder));
-                let probability = lights.probability(EmitterId(choice.index as u32), from);
-                assert!((choice.probability - probability).abs() < 1e-6);
-            }
-            for (index, found) in counts.into_iter().enumerate() {
-                let expected = lights.probability(EmitterId(index as u32), from) * n as f32;
-                assert!(
-                    (found as f32 - expected).abs() < 3.0,
-                    "{count}: {found}, {expected}"
-                );
-                assert!(found > 0, "no emitter is forgotten");
-            }
-        }
-        assert!(points(0).choose(from, 0.5).is_none());
-    }
-
-    #[test]
-    fn rays_come_from_emitters_in_proportion_to_their_power() {
-        for count in [1, 3, 20] {
-            let lights = points(count);
-            let total: f64 = lights.emitters().iter().map(EmitterModel::power).sum();
-            let n = 20_000;
-            let mut counts = vec![0; count];
-            for i in 0..n {
-                let u = (i as f32 + 0.5) / n as f32;
-                let half = Vec2::splat(0.5);
-                let chosen = lights.sample_emission(u, half, half).unwrap();
-                counts[chosen.emitter.0 as usize] += 1;
-                let said = lights.emission_probability(chosen.emitter);
-                assert_eq!(chosen.probability, said);
-            }
-            for (emitter, found) in lights.emitters().iter().zip(counts) {
-                let share = 0.9 * emitter.power() / total + 0.1 / count as f64;
-                let expected = share * f64::from(n);
-                assert!(
-                    (f64::from(found) - expected).abs() < 3.0,
-                    "{found}, {expected}"
-                );
-            }
-        }
-        let none = points(0).sample_emission(0.5, Vec2::ZERO, Vec2::ZERO);
-        assert!(none.is_none());
-    }
-
-    #[test]
-    fn near_lights_are_preferred_and_broken_sums_are_survived() {
-        let lights = points(3);
-        let near = lights.probability(EmitterId(2), Vec3::new(2.0, 0.1, 0.0));
-        assert!(near > 0.9, "{near}");
-        let lights = Lights::new(vec![
-            Constant::new(Rgb::grey(f32::MAX)).into(),
-            Constant::new(Rgb::grey(f32::MAX)).into(),
-        ]);
-        assert_eq!(lights.probability(EmitterId(0), Vec3::ZERO), 0.5);
-    }
-}
+mod tests;

@@ -4,6 +4,8 @@ mod error;
 mod orthographic;
 mod perspective;
 mod spherical;
+#[cfg(test)]
+mod tests;
 mod thin_lens;
 
 pub use error::SensorError;
@@ -98,6 +100,25 @@ pub trait SensorModel {
     ///
     /// - `u`: uniform in the unit square.
     fn sample_lens(&self, u: Vec2) -> Vec3;
+
+    /// Goes back from a ray to the numbers that [`SensorModel::sample_ray`] makes it of: raster position and
+    /// numbers for the lens. `None` behind the sensor.
+    ///
+    /// - `origin`, `direction`: a point of the lens and a unit direction from there.
+    /// - `spare`: uniform in the unit square; stands in for the numbers of a lens of one point.
+    fn invert_ray(&self, origin: Vec3, direction: Vec3, spare: Vec2) -> Option<(Vec2, Vec2)> {
+        let raster = self.raster_at(origin, direction)?;
+        Some((raster, self.invert_lens(origin, spare)))
+    }
+
+    /// Goes back from a point of the lens to the numbers that [`SensorModel::sample_lens`] makes it of.
+    ///
+    /// - `spare`: as with [`SensorModel::invert_ray`].
+    #[inline]
+    fn invert_lens(&self, origin: Vec3, spare: Vec2) -> Vec2 {
+        let _ = origin;
+        spare
+    }
 
     /// World-space point of the lens at coordinates in units of its radius, in the unit disk.
     #[inline]
@@ -200,6 +221,9 @@ macro_rules! sensor_models {
             #[inline]
             fn lens_before(&self, point: Vec3, origin: Vec3) -> Vec3 {
                 match self { $(Self::$model(s) => s.lens_before(point, origin),)* }
+            }
+            fn invert_lens(&self, origin: Vec3, spare: Vec2) -> Vec2 {
+                match self { $(Self::$model(s) => s.invert_lens(origin, spare),)* }
             }
             fn raster_range(&self) -> Option<Vec2> {
                 match self { $(Self::$model(s) => s.raster_range(),)* }

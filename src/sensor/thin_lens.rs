@@ -89,6 +89,11 @@ impl SensorModel for ThinLens {
         self.lens_point(warp::uniform_disk(u))
     }
 
+    fn invert_lens(&self, origin: Vec3, _spare: Vec2) -> Vec2 {
+        let u = warp::uniform_disk_inverse(self.lens_coordinates(origin));
+        warp::into_unit_square(u)
+    }
+
     #[inline]
     fn lens_point(&self, coordinates: Vec2) -> Vec3 {
         self.pinhole.beside(coordinates * self.radius)

@@ -291,6 +291,10 @@ impl ShapeModel for Curves {
         // No point is ever sampled: curves cannot emit.
         (self.surface_at(&somewhere), AreaDensity(0.0))
     }
+
+    fn invert_area(&self, _: &SurfacePoint) -> Option<Vec2> {
+        None
+    }
 }
 
 /// The two directions across a unit axis that turns are counted from: the level one to its left, and

@@ -122,4 +122,8 @@ impl ShapeModel for Cylinder {
         let density = AreaDensity((1.0 / self.area()) as f32);
         (self.point(Vec2::new(cos, sin), u.y), density)
     }
+
+    fn invert_area(&self, point: &SurfacePoint) -> Option<Vec2> {
+        Some(warp::into_unit_square(point.uv))
+    }
 }

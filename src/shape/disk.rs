@@ -70,6 +70,14 @@ impl Disk {
         rows([x, y, self.normal * size], self.centre)
     }
 
+    /// Object coordinates of a world-space position on the disk.
+    #[inline]
+    fn coordinates(&self, position: Vec3) -> Vec2 {
+        let offset = position - self.centre;
+        let [x, y] = self.duals;
+        Vec2::new(x.dot(offset), y.dot(offset))
+    }
+
     /// The point at object coordinates `p` in the unit disk.
     #[inline]
     fn point(&self, p: Vec2) -> SurfacePoint {
@@ -99,9 +107,7 @@ impl ShapeModel for Disk {
     // Out of line: paths have the code of triangles alone right where they need it.
     #[inline(never)]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
-        let offset = hit.position - self.centre;
-        let [x, y] = self.duals;
-        self.point(Vec2::new(x.dot(offset), y.dot(offset)))
+        self.point(self.coordinates(hit.position))
     }
 
     fn area(&self) -> f64 {
@@ -112,5 +118,10 @@ impl ShapeModel for Disk {
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
         let density = AreaDensity((1.0 / self.area) as f32);
         (self.point(warp::uniform_disk(u)), density)
+    }
+
+    fn invert_area(&self, point: &SurfacePoint) -> Option<Vec2> {
+        let u = warp::uniform_disk_inverse(self.coordinates(point.position));
+        Some(warp::into_unit_square(u))
     }
 }

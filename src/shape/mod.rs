@@ -102,6 +102,10 @@ pub trait ShapeModel {
     /// Samples a point uniformly by area.
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity);
 
+    /// Goes back from a point to the numbers that [`ShapeModel::sample_area`] makes it of; `None` where
+    /// no point is sampled.
+    fn invert_area(&self, point: &SurfacePoint) -> Option<Vec2>;
+
     /// Samples a point that may be seen from `from`; the density is that of its direction.
     ///
     /// The point can be occluded or face away. `None` where there is no density to give: at the
@@ -116,6 +120,13 @@ pub trait ShapeModel {
     fn density_toward(&self, from: Vec3, point: &SurfacePoint) -> SolidAngleDensity {
         let density = AreaDensity((1.0 / self.area()) as f32);
         as_direction(density, from, point).unwrap_or_default()
+    }
+
+    /// Goes back from a point to the numbers that [`ShapeModel::sample_toward`] makes it of; `None`
+    /// for a point that is not sampled from there.
+    fn invert_toward(&self, from: Vec3, point: &SurfacePoint) -> Option<Vec2> {
+        let _ = from;
+        self.invert_area(point)
     }
 }
 
@@ -176,6 +187,12 @@ macro_rules! shape_models {
             #[inline]
             fn density_toward(&self, from: Vec3, point: &SurfacePoint) -> SolidAngleDensity {
                 match self { $(Self::$model(s) => s.density_toward(from, point),)* }
+            }
+            fn invert_area(&self, point: &SurfacePoint) -> Option<Vec2> {
+                match self { $(Self::$model(s) => s.invert_area(point),)* }
+            }
+            fn invert_toward(&self, from: Vec3, point: &SurfacePoint) -> Option<Vec2> {
+                match self { $(Self::$model(s) => s.invert_toward(from, point),)* }
             }
         }
     };

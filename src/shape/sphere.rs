@@ -200,4 +200,26 @@ impl ShapeModel for Sphere {
         }
         cone.density().unwrap_or_default()
     }
+
+    fn invert_area(&self, point: &SurfacePoint) -> Option<Vec2> {
+        let outward = point.geometric_normal * self.side;
+        let u = warp::uniform_sphere_inverse(self.axes.transpose() * outward);
+        Some(warp::into_unit_square(u))
+    }
+
+    fn invert_toward(&self, from: Vec3, point: &SurfacePoint) -> Option<Vec2> {
+        let Some(cone) = self.cone(from) else {
+            return self.invert_area(point);
+        };
+        let outward = point.geometric_normal * self.side;
+        if outward.dot(from - point.position) <= 0.0 {
+            return None;
+        }
+        // From the centre outwards: near the rim a rounded position says little about the direction.
+        let centre = self.centre.as_dvec3() - from.as_dvec3();
+        let direction = (centre + outward.as_dvec3() * f64::from(self.radius)).normalize();
+        let local = Frame::around(cone.axis.as_vec3()).to_local(direction.as_vec3());
+        let u = warp::uniform_cone_inverse(local.0, cone.one_minus_cos);
+        Some(warp::into_unit_square(u))
+    }
 }

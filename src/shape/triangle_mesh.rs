@@ -174,6 +174,18 @@ impl TriangleMesh {
         }
     }
 
+    /// Barycentrics of the point of a triangle's plane below a position, moved into the triangle.
+    fn barycentrics(&self, primitive: u32, position: Vec3) -> Vec2 {
+        let [a, b, c] = self.corners(self.triangles.as_slice()[primitive as usize]);
+        let [to_b, to_c, offset] = [b, c, position].map(|p| (p - a).as_dvec3());
+        let across = to_b.cross(to_c);
+        let area = across.length_squared();
+        let b1 = offset.cross(to_c).dot(across) / area;
+        let b2 = to_b.cross(offset).dot(across) / area;
+        let inside = Vec2::new(b1 as f32, b2 as f32).max(Vec2::ZERO);
+        inside / inside.element_sum().max(1.0)
+    }
+
     /// The place of a point in the chart.
     #[cold]
     fn place(&self, primitive: u32, barycentrics: Vec2) -> Vec2 {
@@ -324,6 +336,25 @@ impl ShapeModel for TriangleMesh {
         };
         let point = self.point(primitive, warp::uniform_triangle(u));
         (point, self.density)
+    }
+
+    /// Asks each triangle whether it holds the point: a point does not tell its triangle, and what
+    /// emits has few.
+    fn invert_area(&self, point: &SurfacePoint) -> Option<Vec2> {
+        let by_area = self.by_area.as_ref()?;
+        let mut nearest: Option<(f32, u32, Vec2)> = None;
+        for primitive in 0..self.triangles.as_slice().len() as u32 {
+            let barycentrics = self.barycentrics(primitive, point.position);
+            let there = self.point(primitive, barycentrics);
+            let distance = there.position.distance_squared(point.position);
+            let is_front = there.geometric_normal.dot(point.geometric_normal) > 0.0;
+            if is_front && nearest.is_none_or(|(least, ..)| distance < least) {
+                nearest = Some((distance, primitive, barycentrics));
+            }
+        }
+        let (_, primitive, barycentrics) = nearest?;
+        let u = warp::into_unit_square(warp::uniform_triangle_inverse(barycentrics));
+        Some(Vec2::new(by_area.invert(primitive as usize, u.x)?, u.y))
     }
 }
 

@@ -223,3 +223,51 @@ fn the_density_of_a_sample_is_the_one_reported_for_it() {
         }
     }
 }
+
+/// Share of samples that do not lead back to their own numbers, or not to themselves; `spoil` changes the
+/// numbers found.
+fn lost(
+    shape: &Shape,
+    sample: impl Fn(Vec2) -> Option<SurfacePoint>,
+    invert: impl Fn(&SurfacePoint) -> Option<Vec2>,
+    spoil: impl Fn(Vec2) -> Vec2,
+) -> f64 {
+    let mut stream = stream(7);
+    let size = shape.area().sqrt() as f32;
+    let (mut count, mut lost) = (0, 0);
+    for _ in 0..4000 {
+        let u = pair(&mut stream);
+        let Some(point) = sample(u) else { continue };
+        count += 1;
+        let found = invert(&point).map(&spoil);
+        let is_same = found.is_some_and(|found| {
+            let off = (found - u).abs();
+            // The parts of a turn are a ring.
+            let off = off.min(1.0 - off).max_element();
+            let again = sample(found);
+            off < 0.01 && again.is_some_and(|p| p.position.distance(point.position) < 2e-3 * size)
+        });
+        lost += u32::from(!is_same);
+    }
+    f64::from(lost) / f64::from(count)
+}
+
+#[test]
+fn samples_lead_back_to_their_numbers() {
+    let spoilt = |u: Vec2| Vec2::new(u.y, u.x);
+    for shape in examples() {
+        let by_area = |u| Some(shape.sample_area(u).0);
+        let back = |point: &SurfacePoint| shape.invert_area(point);
+        let share = lost(&shape, by_area, back, |u| u);
+        assert!(share < 0.01, "{share} of the points of {shape:?}");
+        assert!(lost(&shape, by_area, back, spoilt) > 0.5, "{shape:?}");
+        for view in views(&shape) {
+            let from = view.from;
+            let toward = |u| shape.sample_toward(from, u).map(|(point, _)| point);
+            let back = |point: &SurfacePoint| shape.invert_toward(from, point);
+            let share = lost(&shape, toward, back, |u| u);
+            assert!(share < 0.01, "{share} of {shape:?} from {from}");
+            assert!(lost(&shape, toward, back, spoilt) > 0.5, "{shape:?}");
+        }
+    }
+}
