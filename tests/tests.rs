@@ -30,6 +30,7 @@ mod mitsuba_materials;
 mod mixtures;
 mod multiplexed;
 mod own_errors;
+mod path_inversion;
 mod paths;
 mod pmc_er;
 mod primary_space;

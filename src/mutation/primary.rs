@@ -5,7 +5,7 @@
 
 use super::{Move, MoveStatistics};
 use crate::math::Vec2;
-use crate::random::{Numbers, Stream};
+use crate::random::{Numbers, PrimarySample, Stream};
 
 /// Numbers for the raster position and the lens, or for the start of a ray of light.
 const BEFORE_VERTICES: usize = 8;
@@ -230,5 +230,31 @@ impl Numbers for PrimarySpace {
     #[inline]
     fn begin_vertex(&mut self, index: u32) {
         self.place = BEFORE_VERTICES + PER_VERTEX * (index as usize - 1);
+    }
+}
+
+/// Numbers of the sample begun, or of the proposal; those left open are drawn when they are asked for.
+impl PrimarySample for PrimarySpace {
+    #[inline]
+    fn put_1d(&mut self, number: f32) {
+        let time = self.time;
+        if let Some(coordinate) = self.coordinates.get_mut(self.place) {
+            self.changed.push((self.place, *coordinate));
+            *coordinate = Coordinate {
+                value: number,
+                time,
+            };
+        }
+        self.place += 1;
+    }
+
+    #[inline]
+    fn skip_2d(&mut self) {
+        self.place += 2;
+    }
+
+    #[inline]
+    fn begin_vertex(&mut self, index: u32) {
+        Numbers::begin_vertex(self, index);
     }
 }

@@ -8,6 +8,7 @@
 
 mod bidirectional;
 mod density;
+mod inverse;
 mod light_path;
 mod mis;
 mod section;

@@ -283,14 +283,19 @@ impl PathTracing {
             return true;
         }
         // Without the growth by refraction, which is undone on the way out.
-        let energy = walk.throughput.max_channel() / (walk.eta * walk.eta);
-        let survival = energy.min(0.95);
+        let survival = survival_of(walk.throughput.max_channel() / (walk.eta * walk.eta));
         if sampler.next_1d() >= survival {
             return false;
         }
         walk.throughput *= 1.0 / survival;
         true
     }
+}
+
+/// Probability with which Russian roulette lets a path go on that has kept a share of its light.
+#[inline]
+pub(super) fn survival_of(kept: f32) -> f32 {
+    kept.min(0.95)
 }
 
 /// The last vertex of a path to a sampled point of an emitter, with what it sends.

@@ -7,4 +7,4 @@ mod philox;
 mod sampler;
 
 pub use philox::{Purpose, Stream};
-pub use sampler::{Numbers, PixelAddress, Sampler, SamplerKind};
+pub use sampler::{Numbers, PixelAddress, PrimarySample, Sampler, SamplerKind};

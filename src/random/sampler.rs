@@ -73,6 +73,25 @@ pub trait Numbers {
     }
 }
 
+/// A sample's uniform numbers as they are written: in the order in which [`Numbers`] hands them out.
+pub trait PrimarySample {
+    /// The next number, in `[0, 1)`.
+    fn put_1d(&mut self, number: f32);
+
+    /// The next pair of numbers, in the unit square.
+    #[inline]
+    fn put_2d(&mut self, numbers: Vec2) {
+        self.put_1d(numbers.x);
+        self.put_1d(numbers.y);
+    }
+
+    /// Leaves the next pair of numbers open: any will do.
+    fn skip_2d(&mut self);
+
+    /// As [`Numbers::begin_vertex`].
+    fn begin_vertex(&mut self, index: u32);
+}
+
 impl Numbers for Sampler {
     #[inline]
     fn next_1d(&mut self) -> f32 {

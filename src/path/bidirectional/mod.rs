@@ -15,6 +15,7 @@ mod subpath;
 mod technique;
 mod weighing;
 
+pub(super) use subpath::kept;
 pub use subpath::{Escape, EyeSubpath, LightSubpath, SubVertex};
 pub use weighing::{Backlog, Departure, Weighing};
 

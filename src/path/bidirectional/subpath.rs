@@ -3,8 +3,9 @@
 use super::weighing::{Backlog, Departure};
 use super::{Bidirectional, LightImage};
 use crate::accel::Ray;
-use crate::bsdf::{BsdfModel, Lobe, Transport};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::path::tracer::survival_of;
 use crate::path::{Event, PathSpace, PathVertex};
 use crate::random::Numbers;
 use crate::scene::{ChosenRay, Interaction};
@@ -298,9 +299,9 @@ impl Bidirectional {
                 .follow(sample.direction, &met.point, transport.adjoint(), component)
                 .map_or(0.0, |back| back.probability * back.inverse_stretch()),
         };
-        let (weight, eta) = match transport {
-            Transport::Radiance => (sample.weight, sample.eta),
-            Transport::Importance => (sample.weight * shading_factor(met, ray.direction()), 1.0),
+        let weight = match transport {
+            Transport::Radiance => sample.weight,
+            Transport::Importance => sample.weight * shading_factor(met, ray.direction()),
         };
         vertex.event = event;
         Some(Flight {
@@ -313,8 +314,7 @@ impl Bidirectional {
             },
             ray,
             backlog: vertex.backlog,
-            // Without the growth by refraction, which is undone on the way out.
-            kept: sample.weight.max_channel() / (eta * eta),
+            kept: kept(&sample, transport),
             is_null: sample.lobe == Lobe::Null,
         })
     }
@@ -334,10 +334,20 @@ impl Bidirectional {
         if edges < self.rr_depth {
             return Some(flight);
         }
-        let survival = flight.kept.min(0.95);
+        let survival = survival_of(flight.kept);
         flight.throughput *= 1.0 / survival;
         (sampler.next_1d() < survival).then_some(flight)
     }
+}
+
+/// Share of light that an event keeps, without the growth by refraction, which is undone on the way out.
+#[inline]
+pub(in crate::path) fn kept(sample: &BsdfSample, transport: Transport) -> f32 {
+    let eta = match transport {
+        Transport::Radiance => sample.eta,
+        Transport::Importance => 1.0,
+    };
+    sample.weight.max_channel() / (eta * eta)
 }
 
 /// What interpolated and bumpy normals do to the importance that a surface scatters:
