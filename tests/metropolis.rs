@@ -1,15 +1,16 @@
 //! Metropolis sampling leaves the mean picture as it is, however short its passes are.
 
-use crate::support::effort::is_proof;
+use crate::support::effort::{is_proof, level, seed};
 use crate::support::hard_scenes::{
     View, body_in_glass, bumpy_mirror, glass_caustic, indirect, many_lights, mirror_caustic,
     out_of_focus, plastics,
 };
-use crate::support::render::{mean, picture, settings};
+use crate::support::render::{Replicas, mean, picture, settings};
 use crate::support::same_mean::{Reference, SIDE, Way};
 use crate::support::stages::stage_of;
-use lumiflow::film::{Filter, FilterKind};
+use lumiflow::film::{Filter, FilterKind, Window};
 use lumiflow::integrator::PixelSettings;
+use lumiflow::math::Rgb;
 
 /// Bootstrap sets so small that a seed is often one of few, and chains of very different lengths.
 const WAYS: [&str; 12] = [
@@ -146,4 +147,64 @@ fn paths_beside_a_spherical_film_keep_their_energy() {
             "{text}: {found}, not {expected}"
         );
     }
+}
+
+/// Mean luminance of the four quarters of a part of an image.
+///
+/// - `width`: of the image.
+fn quarters(image: &[Rgb], width: u32, part: Window) -> Vec<f64> {
+    let mut sums = vec![0.0; 4];
+    for (x, y) in (0..part.width).flat_map(|x| (0..part.height).map(move |y| (x, y))) {
+        let colour = image[((part.y + y) * width + part.x + x) as usize];
+        let quarter = 2 * y / part.height * 2 + 2 * x / part.width;
+        sums[quarter as usize] += f64::from(colour.luminance());
+    }
+    sums
+}
+
+/// Chains keep to the window, and begin with paths that are seen there; light subpaths come from everywhere.
+#[test]
+fn a_window_has_the_mean_of_the_whole_film_there() -> Result<(), String> {
+    const COUNT: u64 = 12;
+    let view = glass_caustic(SIDE, 1.0);
+    let window = Window {
+        x: SIDE / 4,
+        y: SIDE / 3,
+        width: SIDE / 2,
+        height: SIDE / 2,
+    };
+    let look =
+        |text: &str, settings, passes| picture(&view.scene, &view.sensor, text, settings, passes);
+    let whole = |part| {
+        Replicas::new(seed(940), COUNT, |seed| {
+            let image = look("bdpt max_depth=6", settings(seed, SIDE), 48);
+            quarters(&image, SIDE, part)
+        })
+    };
+    let expected = whole(window);
+    let elsewhere = whole(Window {
+        x: window.x + 2,
+        ..window
+    });
+    for text in ["pssmlt bidirectional=true", "mlt seeds=bdpt", "mmlt"] {
+        let text =
+            format!("{text} max_depth=6 mutations_per_pixel=20 chains=8 luminance_samples=500");
+        let found = Replicas::new(seed(960), COUNT, |seed| {
+            let settings = PixelSettings {
+                window,
+                ..settings(seed, SIDE)
+            };
+            let all = Window {
+                x: 0,
+                y: 0,
+                ..window
+            };
+            quarters(&look(&text, settings, 6), window.width, all)
+        });
+        found
+            .check_same(&expected, level(1e-3))
+            .map_err(|error| format!("{text}: {error}"))?;
+        assert!(found.check_same(&elsewhere, level(1e-3)).is_err(), "{text}");
+    }
+    Ok(())
 }
