@@ -99,14 +99,14 @@ pub fn write(file: &File, layout: &Layout, channels: &[Channel]) -> Result<Write
     })
 }
 
-/// Writes a whole file as [`write`] does, whose rows are made when they are needed: what is held at once
+/// Writes a whole file as [`write()`] does, whose rows are made when they are needed: what is held at once
 /// are the rows of one chunk, sixteen or thirty-two at most.
 ///
 /// - `fill`: is told the index of a channel and which of its rows to put into the samples, which have the
 ///   length for it; rows count from the top of the data window.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_rows(
     file: &File,
     layout: &Layout,
