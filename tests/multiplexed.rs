@@ -1,16 +1,13 @@
 //! One technique at a time: as it is in a whole sample, and with a number that chooses it.
 
-use lumiflow::math::Vec2;
-use lumiflow::mutation::{PrimarySpace, SmallSteps};
-use lumiflow::path::{
-    Bidirection, Bidirectional, Connection, Path, PathSpace, Weighing, camera_sample,
-};
-use lumiflow::random::{Numbers, Purpose, Stream};
+use lumiflow::path::{Bidirection, Bidirectional, Connection, Path, PathSpace, Weighing};
+use lumiflow::random::{Purpose, Stream};
 
 use crate::support::effort::{level, samples, seed};
+use crate::support::primary::Sample;
 use crate::support::render::Replicas;
-use crate::support::seeds::{self, IMAGE, TRACING, from_both_sides, space};
-use crate::support::stages::{SIDE, Stage, stage_of, stages};
+use crate::support::seeds::{self, TRACING, from_both_sides, space};
+use crate::support::stages::{Stage, stage_of, stages};
 
 const MAX_DEPTH: usize = 6;
 
@@ -21,53 +18,16 @@ fn tracing(rr_depth: u32) -> Bidirectional {
     }
 }
 
-/// Numbers that keep their values: of the eye's and of the light's side.
-struct Kept([PrimarySpace; 2]);
-
-impl Kept {
-    fn new() -> Self {
-        let steps = SmallSteps {
-            smallest: 0.001,
-            largest: 0.01,
-        };
-        let new = || PrimarySpace::new(steps, Stream::new(0, Purpose::Check, 0, 0));
-        Self([new(), new()])
-    }
-
-    fn begin(&mut self, seed: u64, sample: u32) {
-        for (space, purpose) in self.0.iter_mut().zip([Purpose::Pixel, Purpose::Light]) {
-            let whole = (Vec2::ZERO, Vec2::ONE);
-            space.begin(Stream::new(seed, purpose, 0, sample), whole);
-        }
-    }
-
-    fn trace(&mut self, space: &PathSpace<'_>, tracing: &Bidirectional) -> Vec<Connection> {
-        let [eye, light] = &mut self.0;
-        let raster = eye.next_2d() * SIDE as f32;
-        let ray = camera_sample(space, raster, eye);
-        let mut found = Vec::new();
-        let add = &mut |_: &Bidirection<'_>, made: &Connection| found.push(*made);
-        let mut both = Bidirection::default();
-        let sides = [eye, light];
-        tracing.trace(space, &mut both, (raster, &ray), &IMAGE, sides, add);
-        found
-    }
-
-    fn trace_technique<'s>(
-        &mut self,
-        (space, both): (&PathSpace<'s>, &mut Bidirection<'s>),
-        tracing: &Bidirectional,
-        technique: (usize, usize),
-    ) -> Option<Connection> {
-        let [eye, light] = &mut self.0;
-        // From the first number on again.
-        eye.propose(true);
-        light.propose(true);
-        let raster = eye.next_2d() * SIDE as f32;
-        let ray = camera_sample(space, raster, eye);
-        let sides = [eye, light];
-        tracing.trace_technique(space, both, (raster, &ray), &IMAGE, technique, sides)
-    }
+/// What a sample makes by all techniques.
+fn connections(
+    sample: &mut Sample,
+    space: &PathSpace<'_>,
+    tracing: &Bidirectional,
+) -> Vec<Connection> {
+    let mut found = Vec::new();
+    let add = &mut |_: &Bidirection<'_>, made: &Connection| found.push(*made);
+    sample.trace((space, &mut Bidirection::default()), tracing, add);
+    found
 }
 
 fn pairs() -> impl Iterator<Item = (usize, usize)> {
@@ -78,11 +38,11 @@ fn pairs() -> impl Iterator<Item = (usize, usize)> {
 fn a_technique_alone_makes_what_it_makes_in_a_whole_sample() {
     for stage in stages() {
         let space = space(&stage);
-        let (mut kept, mut both) = (Kept::new(), Bidirection::default());
+        let (mut kept, mut both) = (Sample::new(), Bidirection::default());
         let mut count = 0;
         for sample in 0..60 {
             kept.begin(seed(41), sample);
-            let whole = kept.trace(&space, &tracing(u32::MAX));
+            let whole = connections(&mut kept, &space, &tracing(u32::MAX));
             for (eye, light) in pairs() {
                 let expected = whole.iter().find(|c| c.eye == eye && c.light == light);
                 let workers = (&space, &mut both);
@@ -101,10 +61,10 @@ fn roulette_only_makes_paths_stronger() {
     let (mut count, mut stronger) = (0, 0);
     for stage in stages() {
         let space = space(&stage);
-        let (mut kept, mut both) = (Kept::new(), Bidirection::default());
+        let (mut kept, mut both) = (Sample::new(), Bidirection::default());
         for sample in 0..60 {
             kept.begin(seed(42), sample);
-            for left in kept.trace(&space, &tracing(1)) {
+            for left in connections(&mut kept, &space, &tracing(1)) {
                 let workers = (&space, &mut both);
                 let pair = (left.eye, left.light);
                 let alone = kept.trace_technique(workers, &tracing(1), pair);
@@ -139,7 +99,7 @@ fn multiplexed(stage: &Stage, mistake: Mistake) -> Replicas {
     let space = space(stage);
     let count = samples(3000);
     Replicas::new(seed(800), 16, |seed| {
-        let (mut kept, mut both) = (Kept::new(), Bidirection::default());
+        let (mut kept, mut both) = (Sample::new(), Bidirection::default());
         let mut sums = vec![0.0; MAX_DEPTH - 1];
         for sample in 0..count {
             kept.begin(seed, sample);

@@ -3,7 +3,7 @@
 
 use lumiflow::math::Vec2;
 use lumiflow::math::statistics::{sidak, two_samples_p};
-use lumiflow::mutation::{PrimarySpace, SmallSteps};
+use lumiflow::mutation::PrimarySpace;
 use lumiflow::path::{
     Bidirection, Bidirectional, Connection, Path, PathSpace, PathTracing, VertexKind, Weighing,
     camera_sample,
@@ -11,7 +11,8 @@ use lumiflow::path::{
 use lumiflow::random::{Numbers, PrimarySample, Purpose, Stream};
 
 use crate::support::effort::{level, samples, seed};
-use crate::support::seeds::{IMAGE, TRACING, from_both_sides, space};
+use crate::support::primary::Sample;
+use crate::support::seeds::{TRACING, from_both_sides, space};
 use crate::support::stages::{SIDE, Stage, stage_of, stages};
 
 /// How numbers are spoilt on their way.
@@ -59,97 +60,49 @@ impl PrimarySample for Spoilt<'_> {
     }
 }
 
-/// The numbers of a sample on the eye's and on the light's side.
-struct Sample([PrimarySpace; 2]);
-
-impl Sample {
-    fn new() -> Self {
-        let steps = SmallSteps {
-            smallest: 0.001,
-            largest: 0.01,
-        };
-        let new = || PrimarySpace::new(steps, Stream::new(0, Purpose::Check, 0, 0));
-        Self([new(), new()])
-    }
-
-    /// Begins a sample of uniform numbers.
-    fn begin(&mut self, seed: u64, sample: u32) {
-        for (side, purpose) in self.0.iter_mut().zip([Purpose::Pixel, Purpose::Light]) {
-            let whole = (Vec2::ZERO, Vec2::ONE);
-            side.begin(Stream::new(seed, purpose, 0, sample), whole);
+/// The first numbers of either side of a sample, and of its first vertices.
+fn first(sample: &mut Sample) -> Vec<f32> {
+    let mut found = Vec::new();
+    for side in sample.rewind() {
+        found.extend((0..7).map(|_| side.next_1d()));
+        for vertex in 1..=3 {
+            Numbers::begin_vertex(side, vertex);
+            found.extend((0..6).map(|_| side.next_1d()));
         }
     }
+    found
+}
 
-    /// From the first number on again.
-    fn rewind(&mut self) -> [&mut PrimarySpace; 2] {
-        let [eye, light] = &mut self.0;
-        eye.propose(true);
-        light.propose(true);
-        [eye, light]
-    }
+/// The path that one technique makes of a sample.
+fn path_by<'s>(
+    sample: &mut Sample,
+    (space, both): (&PathSpace<'s>, &mut Bidirection<'s>),
+    tracing: &Bidirectional,
+    technique: (usize, usize),
+) -> Option<Path> {
+    let made = sample.trace_technique((space, both), tracing, technique)?;
+    let mut path = Path::default();
+    both.assemble(space, &made, &mut path).then_some(path)
+}
 
-    /// The first numbers of either side and of its first vertices.
-    fn first(&mut self) -> Vec<f32> {
-        let mut found = Vec::new();
-        for side in self.rewind() {
-            found.extend((0..7).map(|_| side.next_1d()));
-            for vertex in 1..=3 {
-                Numbers::begin_vertex(side, vertex);
-                found.extend((0..6).map(|_| side.next_1d()));
-            }
-        }
-        found
+/// Makes of a sample the one that makes a path by a technique; `None` where there is none.
+fn invert(
+    sample: &mut Sample,
+    space: &PathSpace<'_>,
+    tracing: &Bidirectional,
+    (path, technique): (&Path, (usize, usize)),
+    (number, mistake): (u32, Mistake),
+) -> Option<()> {
+    sample.begin(seed(45), number);
+    let mut spare = Stream::new(seed(46), Purpose::Check, 0, number);
+    let [eye, light] = sample.rewind();
+    if technique.0 > 0 {
+        eye.put_2d(path.raster() / SIDE as f32);
+    } else {
+        PrimarySample::skip_2d(eye);
     }
-
-    /// The paths of the whole sample.
-    fn trace<'s>(
-        &mut self,
-        (space, both): (&PathSpace<'s>, &mut Bidirection<'s>),
-        tracing: &Bidirectional,
-        found: &mut impl FnMut(&Bidirection<'s>, &Connection),
-    ) {
-        let [eye, light] = self.rewind();
-        let raster = eye.next_2d() * SIDE as f32;
-        let ray = camera_sample(space, raster, eye);
-        let sides = [eye, light];
-        tracing.trace(space, both, (raster, &ray), &IMAGE, sides, found);
-    }
-
-    /// The path of one technique.
-    fn trace_technique<'s>(
-        &mut self,
-        (space, both): (&PathSpace<'s>, &mut Bidirection<'s>),
-        tracing: &Bidirectional,
-        technique: (usize, usize),
-    ) -> Option<Path> {
-        let [eye, light] = self.rewind();
-        let raster = eye.next_2d() * SIDE as f32;
-        let ray = camera_sample(space, raster, eye);
-        let camera = (raster, &ray);
-        let made = tracing.trace_technique(space, both, camera, &IMAGE, technique, [eye, light])?;
-        let mut path = Path::default();
-        both.assemble(space, &made, &mut path).then_some(path)
-    }
-
-    /// Becomes the sample that makes a path by a technique; `None` where there is none.
-    fn invert(
-        &mut self,
-        space: &PathSpace<'_>,
-        tracing: &Bidirectional,
-        (path, technique): (&Path, (usize, usize)),
-        (number, mistake): (u32, Mistake),
-    ) -> Option<()> {
-        self.begin(seed(45), number);
-        let mut spare = Stream::new(seed(46), Purpose::Check, 0, number);
-        let [eye, light] = self.rewind();
-        if technique.0 > 0 {
-            eye.put_2d(path.raster() / SIDE as f32);
-        } else {
-            PrimarySample::skip_2d(eye);
-        }
-        let [mut eye, mut light] = [eye, light].map(|to| Spoilt { to, mistake });
-        tracing.invert(space, path, technique, &mut spare, [&mut eye, &mut light])
-    }
+    let [mut eye, mut light] = [eye, light].map(|to| Spoilt { to, mistake });
+    tracing.invert(space, path, technique, &mut spare, [&mut eye, &mut light])
 }
 
 /// Whether two paths are the same up to rounding.
@@ -196,14 +149,20 @@ fn made_again(stage: &Stage, mistake: Mistake, count: u32) -> Tally {
             for light in 0..=made.edges() {
                 let technique = (made.edges() - light, light);
                 let is_own = light == made.light;
-                let inverse = found.invert(&space, &tracing, (&path, technique), (number, mistake));
+                let inverse = invert(
+                    &mut found,
+                    &space,
+                    &tracing,
+                    (&path, technique),
+                    (number, mistake),
+                );
                 // Others may be unable to make it.
                 if inverse.is_none() && !is_own {
                     continue;
                 }
                 let workers = (&space, &mut again);
                 let other =
-                    inverse.and_then(|()| found.trace_technique(workers, &tracing, technique));
+                    inverse.and_then(|()| path_by(&mut found, workers, &tracing, technique));
                 let is_lost = other.is_none_or(|other| !is_same(&path, &other));
                 let tally = if is_own {
                     &mut tally.own
@@ -249,7 +208,7 @@ fn samples_come_back_with_their_roulette() {
                 assert!(both.assemble(&space, made, &mut path));
                 let technique = (made.eye, made.light);
                 let place = (number, Mistake::None);
-                let inverse = found.invert(&space, &tracing, (&path, technique), place);
+                let inverse = invert(&mut found, &space, &tracing, (&path, technique), place);
                 let mut is_found = false;
                 if inverse.is_some() {
                     let take = &mut |_: &Bidirection<'_>, other: &Connection| {
@@ -348,16 +307,13 @@ fn spread_p(stage: &Stage, mistake: Mistake) -> f64 {
         }
         let which = (number / 60 % 2) as usize;
         let numbers = if which == 0 {
-            given.first()
+            first(&mut given)
         } else {
             let place = (number, mistake);
-            if found
-                .invert(&space, &tracing, (&path, technique), place)
-                .is_none()
-            {
+            if invert(&mut found, &space, &tracing, (&path, technique), place).is_none() {
                 continue;
             }
-            found.first()
+            first(&mut found)
         };
         cells.resize(numbers.len(), [[0.0; CELLS]; 2]);
         for (cells, number) in cells.iter_mut().zip(numbers) {

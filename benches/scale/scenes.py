@@ -6,7 +6,7 @@
 NAMES: terrain-1m, terrain-5m, terrain-20m (a terrain of so many triangles, one binary PLY file),
 instances (a thousand instances of the terrain of a million triangles), meshes (ten thousand OBJ
 files), textures (two hundred pictures of 1024 × 1024 texels). Without names, all of them, about
-1.3 GB. What is there is kept.
+1.6 GB. What is there is kept.
 """
 
 import argparse

@@ -40,10 +40,12 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
-/// A number of bytes for people: `12.3 MiB`, `1.50 GiB`.
+/// A number of bytes for people: `4.5 KiB`, `12.3 MiB`, `1.50 GiB`.
 pub(super) fn size(bytes: u64) -> String {
     let mebibytes = bytes as f64 / f64::from(1 << 20);
-    if mebibytes < 1000.0 {
+    if mebibytes < 1.0 {
+        format!("{:.1} KiB", mebibytes * 1024.0)
+    } else if mebibytes < 1000.0 {
         format!("{mebibytes:.1} MiB")
     } else {
         format!("{:.2} GiB", mebibytes / 1024.0)
@@ -58,7 +60,7 @@ mod tests {
     fn sizes_are_as_exact_as_people_want_them() {
         assert_eq!(size(12_897_485), "12.3 MiB");
         assert_eq!(size(3 << 29), "1.50 GiB");
-        assert_eq!(size(0), "0.0 MiB");
+        assert_eq!(size(4608), "4.5 KiB");
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub(crate) mod hard_scenes;
 pub(crate) mod materials;
 pub(crate) mod moments;
 pub(crate) mod planted;
+pub(crate) mod primary;
 pub(crate) mod render;
 pub(crate) mod same_mean;
 pub(crate) mod scenes;
