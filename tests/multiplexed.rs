@@ -40,7 +40,7 @@ fn a_technique_alone_makes_what_it_makes_in_a_whole_sample() {
         let space = space(&stage);
         let (mut kept, mut both) = (Sample::new(), Bidirection::default());
         let mut count = 0;
-        for sample in 0..60 {
+        for sample in 0..samples(60) {
             kept.begin(seed(41), sample);
             let whole = connections(&mut kept, &space, &tracing(u32::MAX));
             for (eye, light) in pairs() {
@@ -62,7 +62,7 @@ fn roulette_only_makes_paths_stronger() {
     for stage in stages() {
         let space = space(&stage);
         let (mut kept, mut both) = (Sample::new(), Bidirection::default());
-        for sample in 0..60 {
+        for sample in 0..samples(60) {
             kept.begin(seed(42), sample);
             for left in connections(&mut kept, &space, &tracing(1)) {
                 let workers = (&space, &mut both);

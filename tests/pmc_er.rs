@@ -1,6 +1,6 @@
 //! Populations move energy about and leave the mean picture as it is; what was published does not.
 
-use crate::support::effort::is_proof;
+use crate::support::effort::{is_proof, samples};
 use crate::support::hard_scenes::{
     View, body_in_glass, bumpy_mirror, glass_caustic, indirect, many_lights, mirror_caustic,
     out_of_focus, plastics,
@@ -78,10 +78,10 @@ fn light_from_everywhere_stays_the_same() -> Result<(), String> {
 fn the_published_scheme_is_found_to_be_biased() {
     let view = indirect(SIDE);
     let reference = Reference::new(&view);
-    let options = "pmc-er scheme=lai population=1000 mutations_per_sample=40 mutations=4 radii=2,5";
+    let options = "pmc-er scheme=lai population=1000 mutations_per_sample=40 mutations=2 radii=2,5";
     let way = Way {
         options: options.to_owned(),
-        passes: 8,
+        passes: samples(8),
     };
     let found = reference.check(&view, &view, &way);
     println!("{found:?}");

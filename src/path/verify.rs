@@ -4,8 +4,11 @@ use std::fmt;
 
 use super::{Event, Path, PathSpace, PathVertex, VertexKind};
 use crate::emitter::EmitterClass;
-use crate::math::{Rgb, Vec3};
-use crate::sensor::SensorModel;
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+use crate::sensor::{Sensor, SensorModel};
+
+/// How far a direction is turned by its own rounding, in radians.
+const DIRECTION_ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// A claim that a path makes about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,11 +154,31 @@ impl Path {
         ));
         to.push(match seen {
             Some(raster) => {
-                let off = raster.distance(self.raster());
-                (Claim::Raster, 0, off / tolerance.raster)
+                let off = raster_distance(sensor, raster, self.raster());
+                let allowed = tolerance.raster + self.raster_error(space, raster);
+                (Claim::Raster, 0, off / allowed)
             }
             None => (Claim::Visibility, 0, f32::INFINITY),
         });
+    }
+
+    /// How far the first vertex's raster position may be off, since directions are, in pixels: near the
+    /// poles of a spherical sensor a little turns it far.
+    ///
+    /// - `seen`: that position.
+    fn raster_error(&self, space: &PathSpace<'_>, seen: Vec2) -> f32 {
+        let vertices = self.vertices();
+        let Some((direction, _)) = space.edge(&vertices[0], &vertices[1]) else {
+            return 0.0;
+        };
+        let turned = DIRECTION_ROUNDING + direction_error(&vertices[..2]);
+        let frame = Frame::around(direction);
+        let off = [frame.tangent, frame.bitangent].map(|way| {
+            let direction = (direction + way * turned).normalize();
+            let raster = space.sensor.raster_at(vertices[0].position(), direction);
+            raster.map_or(0.0, |raster| raster_distance(space.sensor, raster, seen))
+        });
+        off[0].max(off[1])
     }
 
     fn check_scattering(
@@ -171,7 +194,7 @@ impl Path {
         let (Some((to_eye, _)), Some((to_light, _))) = (edge(index - 1), edge(index + 1)) else {
             return to.push((Claim::Shape, index, f32::INFINITY));
         };
-        let angle = tolerance.direction + self.direction_error(index);
+        let angle = tolerance.direction + direction_error(&vertices[index - 1..=index + 1]);
         let cosines = [to_light, to_eye].map(|way| vertex.geometric_cos(way));
         if !vertex.event.is_dirac() {
             let value = space.finite_value(vertex, to_eye, to_light);
@@ -193,18 +216,6 @@ impl Path {
         }
     }
 
-    /// How far directions at a vertex may be off, since positions are, in radians.
-    fn direction_error(&self, index: usize) -> f32 {
-        let around = &self.vertices()[index - 1..=index + 1];
-        // Rays start off the surface by the error, and end within it.
-        let error = 4.0 * around.iter().map(|v| v.point.error).fold(0.0, f32::max);
-        let length = |pair: &[PathVertex]| match pair[1].kind {
-            VertexKind::Infinity => f32::INFINITY,
-            _ => pair[0].position().distance(pair[1].position()),
-        };
-        error / around.windows(2).map(length).fold(f32::INFINITY, f32::min)
-    }
-
     fn check_light(&self, space: &PathSpace<'_>, tolerance: &Tolerance, to: &mut Vec<Finding>) {
         let (vertices, last) = (self.vertices(), self.edges());
         let light = &vertices[last];
@@ -219,6 +230,30 @@ impl Path {
         let off = difference(emission, light.value) / tolerance.value;
         to.push((Claim::Emission, last, off));
     }
+}
+
+/// How far the directions between neighbours may be off, since their positions are, in radians.
+fn direction_error(neighbours: &[PathVertex]) -> f32 {
+    // Rays start off the surface by the error, and end within it.
+    let error = 4.0 * neighbours.iter().map(|v| v.point.error).fold(0.0, f32::max);
+    let length = |pair: &[PathVertex]| match pair[1].kind {
+        VertexKind::Infinity => f32::INFINITY,
+        _ => pair[0].position().distance(pair[1].position()),
+    };
+    error
+        / neighbours
+            .windows(2)
+            .map(length)
+            .fold(f32::INFINITY, f32::min)
+}
+
+/// Distance of two raster positions in pixels; across the sides of the film where they meet.
+fn raster_distance(sensor: &Sensor, a: Vec2, b: Vec2) -> f32 {
+    let mut apart = (a - b).abs();
+    if let Some(film) = sensor.raster_range() {
+        apart.x = apart.x.min((film.x - apart.x).abs());
+    }
+    apart.length()
 }
 
 /// Difference of two colours, against the largest channel.

@@ -216,6 +216,7 @@ impl Replicas {
     fn compare(&self, other: &[(f64, f64)], other_freedom: f64, level: f64) -> Result<(), String> {
         let level = sidak(level, other.len() + 1);
         let freedom = self.values.len() as f64 - 1.0;
+        let mut wrong = Vec::new();
         for (index, (expected, variance)) in other.iter().enumerate() {
             let (mean, own) = self.mean_and_variance(index);
             let total = own + variance;
@@ -223,20 +224,25 @@ impl Replicas {
             let denominator = own * own / freedom + variance * variance / other_freedom;
             let freedom = total * total / denominator.max(f64::MIN_POSITIVE);
             let what = format!("value {index}");
-            verdict(&what, mean, *expected, total, freedom, level)?;
+            wrong.extend(verdict(&what, mean, *expected, total, freedom, level));
         }
         let (mean, own) = self.overall().mean_and_variance(0);
         let expected = other.iter().map(|(e, _)| e).sum::<f64>() / other.len() as f64;
         // Values of one replica may be correlated; those of pixels are not.
         let variance = other.iter().map(|(_, v)| v).sum::<f64>() / (other.len() as f64).powi(2);
-        verdict(
+        let total = own + variance;
+        wrong.extend(verdict(
             "the mean of all",
             mean,
             expected,
-            own + variance,
+            total,
             freedom,
             level,
-        )
+        ));
+        match wrong.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, worst)) => Err(worst),
+            None => Ok(()),
+        }
     }
 
     /// Checks the mean over all values of t² against what it is where nothing is wrong: finds errors that
@@ -297,7 +303,8 @@ impl Replicas {
     }
 }
 
-/// Checks one mean against its expectation.
+/// Checks one mean against its expectation; says how many standard errors it is off where that is too
+/// much.
 fn verdict(
     what: &str,
     mean: f64,
@@ -305,20 +312,22 @@ fn verdict(
     variance: f64,
     freedom: f64,
     level: f64,
-) -> Result<(), String> {
+) -> Option<(f64, String)> {
     let difference = mean - expected;
     // Where nothing varies, single precision is the only error left.
     if difference.abs() <= 1e-5 * expected.abs() {
-        return Ok(());
+        return None;
     }
     let t = difference / variance.sqrt();
     let p = student_p(t, freedom);
     if p > level {
-        return Ok(());
+        return None;
     }
-    Err(format!(
+    let text = format!(
         "{what}: {mean:.6}, not {expected:.6} (t = {t:.2}, p = {p:.1e}, level {level:.1e})"
-    ))
+    );
+    // NaN is as far off as can be.
+    Some((if t.is_nan() { f64::INFINITY } else { t.abs() }, text))
 }
 
 /// Chance that a value at least as far out as `t` comes from Student's distribution, on either side.
