@@ -6,33 +6,13 @@ use lumiflow::math::statistics::{chi_square_p, sidak, two_sided_p};
 use lumiflow::math::{Local, Rgb, Vec2};
 use lumiflow::random::{Purpose, Stream};
 
+use crate::support::claims::{Outcome, agree, claim, close};
 use crate::support::directions::Cells;
 use crate::support::effort::{level, samples, seed};
 use crate::support::faulty::{Fault, Faulty};
 use crate::support::materials::{
     Case, TRANSPORTS, cases, direction, numbers, spread, surface_point,
 };
-
-/// Outcome of a check; the text says what is wrong.
-pub(crate) type Outcome = Result<(), String>;
-
-fn close(a: Rgb, b: Rgb, tolerance: f32) -> bool {
-    (a - b).0.abs().max_element() <= tolerance * a.0.abs().max(b.0.abs()).max_element()
-}
-
-/// Whether a sample has this value, up to rounding.
-///
-/// Where a coat lets hardly anything through, a value goes with the square of a cosine that was turned
-/// into a bump's frame and back: what that rounds is small beside a sample's usual weight, which is one.
-fn agree(sample: &BsdfSample, value: Rgb) -> bool {
-    let rounding = 1e-6 * sample.density;
-    let off = (sample.value - value).0.abs().max_element();
-    close(sample.value, value, 1e-4) || off <= rounding
-}
-
-fn claim(holds: bool, text: impl FnOnce() -> String) -> Outcome {
-    if holds { Ok(()) } else { Err(text()) }
-}
 
 fn components(bsdf: &dyn BsdfModel) -> impl Iterator<Item = Component> + use<> {
     (0..bsdf.component_count()).map(Component)

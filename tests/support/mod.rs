@@ -1,5 +1,6 @@
 //! What several integration tests share.
 
+pub(crate) mod claims;
 pub(crate) mod directions;
 pub(crate) mod effort;
 pub(crate) mod factors;
