@@ -85,6 +85,7 @@ impl Job<'_> {
     /// Renders until the goal is reached or a signal comes.
     ///
     /// - `title`: name under which progress is shown; `None` shows nothing.
+    /// - `remark`: told what the integrator has to say before the first pass.
     ///
     /// # Errors
     /// [`Failure::Memory`] when there is none for the film.
@@ -92,12 +93,16 @@ impl Job<'_> {
         &self,
         interruption: &Interruption,
         title: Option<&str>,
+        remark: impl FnOnce(String),
     ) -> Result<Finished, Failure> {
         interruption.save_from_now_on();
         let (start, cpu) = (Instant::now(), ProcessTime::try_now().ok());
         let (scene, sensor) = (&self.imported.scene, &self.view.sensor);
         let work = self.plan.integrator.start(scene, sensor, self.settings());
         let prepare_seconds = start.elapsed().as_secs_f64();
+        if let Some(text) = work.remark() {
+            remark(text);
+        }
         let elapsed = || self.elapsed(start, cpu);
         let keep_variance = |layer: &Layer| self.plan.variance && work.has_variance(layer);
         let film_memory = film_memory(&*work, keep_variance);

@@ -163,7 +163,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     (
         "num_chains",
-        "chains for each camera sample in the mean, sets K to that times m; 0 leaves K (Mitsuba: numChains)",
+        "chains for each camera sample in the mean, sets K to that times m where K is not given; 0 leaves K (Mitsuba: numChains)",
     ),
     (
         "mutations_per_sample",

@@ -44,6 +44,12 @@ impl Notes {
         });
     }
 
+    /// As [`Notes::remark`], and prints it.
+    pub(super) fn remark_now(&mut self, message: String) {
+        self.remark(message);
+        self.print();
+    }
+
     fn push(&mut self, location: Option<&Location>, message: String, is_replacement: bool) {
         let severity = match self.strictness {
             Strictness::Strict => Severity::Error,
@@ -69,13 +75,17 @@ impl Notes {
         {
             return Err(Failure::Scene(std::mem::take(&mut self.list)));
         }
+        self.print();
+        Ok(())
+    }
+
+    fn print(&mut self) {
         if !self.quiet {
             for note in &self.list[self.printed..] {
                 say(&note.to_string());
             }
         }
         self.printed = self.list.len();
-        Ok(())
     }
 
     /// All warnings, a line each.

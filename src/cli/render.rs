@@ -90,7 +90,7 @@ impl Session<'_> {
             threads: self.threads,
         };
         let title = (!args.quiet).then_some(target.name.as_str());
-        let finished = job.execute(self.interruption, title)?;
+        let finished = job.execute(self.interruption, title, |text| notes.remark_now(text))?;
         if finished.rendered.passes == 0 {
             say(&format!(
                 "{}: stopped before the first pass was complete; no file is written",

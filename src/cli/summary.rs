@@ -90,7 +90,7 @@ impl Summary<'_> {
         let options: Map<String, Value> = options
             .map(|(name, value)| (name.clone(), option_value(value)))
             .collect();
-        let mut json = json!({
+        json!({
             "scene": self.target.scene.display().to_string(),
             "outputs": self.files(),
             "integrator": record.integrator,
@@ -111,14 +111,11 @@ impl Summary<'_> {
             "memory": self.memory(load),
             "rejected": record.rejected,
             "interrupted": interrupted,
+            "chains": record.chains,
+            "mutations": mutations(&record),
             "replaced": record.replaced,
             "warnings": notes.lines(),
-        });
-        if record.chains > 0 || self.finished.rendered.counters.mutation_count() > 0 {
-            json["chains"] = record.chains.into();
-            json["mutations"] = mutations(&record);
-        }
-        json
+        })
     }
 
     /// Where memory went, in bytes.

@@ -23,6 +23,11 @@ pub trait Integrator: Sync {
     /// Number of consecutive passes that are spread against each other: one replica.
     fn passes_per_replica(&self) -> u32;
 
+    /// What its options lead to that one may not expect; told before the first pass.
+    fn remark(&self) -> Option<String> {
+        None
+    }
+
     /// Number of work units in a pass.
     fn unit_count(&self) -> u32;
 

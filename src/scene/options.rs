@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::import::xml::did_you_mean;
+
 /// Options by their names.
 pub type Options = BTreeMap<String, OptionValue>;
 
@@ -196,7 +198,11 @@ impl<'o> OptionReader<'o> {
         let value = self.take(name, OptionValue::Text(default.to_owned()));
         match &value {
             OptionValue::Text(text) if choices.contains(&text.as_str()) => Ok(text.clone()),
-            other => Err(wrong(name, other, format!("one of {}", choices.join(", ")))),
+            other => {
+                let hint = did_you_mean(&other.to_string(), choices.iter().copied());
+                let expected = format!("one of {}{hint}", choices.join(", "));
+                Err(wrong(name, other, expected))
+            }
         }
     }
 

@@ -333,3 +333,34 @@ fn elements_of_mitsuba_are_read() {
     assert!(found["mean"][0].as_f64().unwrap() > 0.01);
     assert_eq!(found["warnings"].as_array().unwrap().len(), 0);
 }
+
+/// The smallest deposit makes so many mutations that a pass would hardly end; it is not rendered here.
+#[test]
+fn deposits_that_make_hardly_any_chain_are_told_of() {
+    let place = Place::with_room();
+    let render = |deposit: &str| {
+        let set = format!("deposition_energy={deposit}");
+        let call = ["render", "room.xml", "-i", "erpt", "--spp", "1", "--json"];
+        let done = place.succeed(&[&call[..], &["--set", &set]].concat());
+        (done.json(), done.stderr)
+    };
+    let (found, said) = render("1e12");
+    let warning = found["warnings"][0].as_str().unwrap();
+    assert!(
+        warning.contains("so that hardly any chain begins"),
+        "{warning}"
+    );
+    assert_eq!(said.matches(warning).count(), 1, "{said}");
+    assert_eq!(found["chains"], 0);
+    let (found, _) = render("0");
+    assert_eq!(found["warnings"], serde_json::json!([]));
+    assert!(found["chains"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn values_of_options_that_are_nearly_right_are_suggested() {
+    let place = Place::with_room();
+    let call = ["render", "room.xml", "-i", "erpt", "--set", "flow=equall"];
+    let expected = "expected one of equal, detailed, iterated (did you mean \"equal\"?)";
+    place.fail(&call, 2, expected);
+}

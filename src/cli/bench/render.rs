@@ -10,6 +10,7 @@ use super::peer::{self, Peer, Stopped};
 use super::race::{Rules, Slot};
 use super::stage::Stage;
 use crate::cli::budget::Goal;
+use crate::cli::console::say;
 use crate::cli::execute::{Finished, Job};
 use crate::cli::failure::{Failure, sizes_differ};
 use crate::cli::monitor::Monitor;
@@ -86,7 +87,8 @@ impl Start<'_> {
             threads: usize::from(self.rules.args.threads),
         };
         let title = (!self.rules.args.quiet).then_some(self.title);
-        let finished = job.execute(self.rules.interruption, title)?;
+        let remark = |text| say(&format!("{}: warning: {text}", self.title));
+        let finished = job.execute(self.rules.interruption, title, remark)?;
         if self.rules.interruption.exit_code().is_some() {
             return Ok(Outcome::Interrupted);
         }

@@ -1,9 +1,13 @@
 //! Options about seeds and the energy of deposits.
 
+use super::energy::MeanEnergy;
 use super::noise_filter::NoiseFilter;
 use crate::integrator::path::depth_limit;
 use crate::path::{Bidirectional, PathRules, PathTracing, Techniques, Weighing};
 use crate::scene::options::{OptionError, OptionReader};
+
+/// Mutations a camera sample that somebody may want.
+const USUAL_MUTATIONS: std::ops::RangeInclusive<f64> = 1e-2..=1e4;
 
 /// How seeds are found, and how much energy a deposit has.
 #[derive(Clone, Copy, Debug)]
@@ -101,9 +105,30 @@ impl SeedOptions {
     }
 
     /// Energy of a deposit.
-    pub(super) fn deposit(&self, mean: &super::energy::MeanEnergy) -> f64 {
+    pub(super) fn deposit(&self, mean: &MeanEnergy) -> f64 {
         self.deposition_energy
             .unwrap_or_else(|| mean.deposit(self.mutations_per_sample))
+    }
+
+    /// Says so where the energy of a deposit that was given makes far more or far fewer mutations than
+    /// anybody wants.
+    pub(in crate::integrator) fn remark(&self, mean: &MeanEnergy) -> Option<String> {
+        let deposit = self.deposition_energy.filter(|_| mean.chains > 0.0)?;
+        let mutations = mean.chains / deposit;
+        if USUAL_MUTATIONS.contains(&mutations) {
+            return None;
+        }
+        let consequence = if mutations > 1.0 {
+            "a pass may hardly end"
+        } else {
+            "hardly any chain begins, and the picture is very noisy"
+        };
+        let usual = mean.deposit(self.mutations_per_sample);
+        Some(format!(
+            "deposition_energy {deposit} makes {mutations:.1e} mutations a camera sample, so that \
+             {consequence}; {usual:.3e} makes {} here",
+            self.mutations_per_sample
+        ))
     }
 
     /// Whether the energy of paths of so many edges goes to chains.
@@ -161,4 +186,37 @@ fn direct_samples(options: &mut OptionReader<'_>) -> Result<Option<u32>, OptionE
     let is_separate = options.boolean("separate_direct", true)?;
     let samples = options.integer("direct_samples", -1..=1 << 16, 0)?;
     Ok((is_separate && samples >= 0).then_some(samples.max(0) as u32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::options::{OptionValue, Options};
+
+    fn remark(deposit: f64, chains: f64) -> Option<String> {
+        let options = [("deposition_energy".to_owned(), OptionValue::Float(deposit))];
+        let options = Options::from(options);
+        let seeds = SeedOptions::from_options(&mut OptionReader::new(&options), 3.0).unwrap();
+        seeds.remark(&MeanEnergy { image: 1.0, chains })
+    }
+
+    #[test]
+    fn deposits_of_no_use_are_told_of() {
+        for (deposit, expected) in [
+            (0.0, None),
+            (0.1, None),
+            (20.0, None),
+            (1e-6, Some("a pass may hardly end; 1.667e-1 makes 3 here")),
+            (1e9, Some("hardly any chain begins")),
+        ] {
+            let found = remark(deposit, 0.5);
+            let is_right = match expected {
+                Some(text) => found.as_ref().is_some_and(|found| found.contains(text)),
+                None => found.is_none(),
+            };
+            assert!(is_right, "{deposit}: {found:?}");
+        }
+        // Nothing to compare with.
+        assert_eq!(remark(1e9, 0.0), None);
+    }
 }

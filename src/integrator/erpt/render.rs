@@ -115,6 +115,10 @@ impl Integrator for ErptRender<'_> {
         self.film.settings.window
     }
 
+    fn remark(&self) -> Option<String> {
+        self.film.seeds.remark(&self.film.mean)
+    }
+
     fn passes_per_replica(&self) -> u32 {
         self.film.settings.sampler.group()
     }

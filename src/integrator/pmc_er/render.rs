@@ -269,6 +269,10 @@ impl Integrator for PmcErRender<'_> {
         self.film.settings.window
     }
 
+    fn remark(&self) -> Option<String> {
+        self.film.seeds.remark(&self.film.mean)
+    }
+
     fn passes_per_replica(&self) -> u32 {
         self.film.settings.sampler.group()
     }

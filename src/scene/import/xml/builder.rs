@@ -165,6 +165,12 @@ impl Builder {
             order: self.sources,
         });
         self.sources += 1;
+        if let Some(format) = syntax::other_format(bytes) {
+            let start = Locator::new(source, "").locate(0);
+            self.problems
+                .error(&start, format!("found {format}, expected a scene as XML"));
+            return None;
+        }
         let (text, is_utf8) = syntax::decode(bytes);
         let locator = Locator::new(source, &text);
         if !is_utf8 {

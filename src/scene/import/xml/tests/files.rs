@@ -193,3 +193,20 @@ fn files_that_are_not_utf8_are_read_as_latin_1() {
         "{said:?}"
     );
 }
+
+#[test]
+fn other_files_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for (bytes, expected) in [
+        (&b"\x76\x2f\x31\x01\x02"[..], "an OpenEXR image"),
+        (b"\x89PNG\r\n", "a PNG image"),
+        (b"ply\nformat ascii 1.0\n", "a PLY mesh"),
+    ] {
+        let path = folder.path().join("scene.xml");
+        fs::write(&path, bytes).unwrap();
+        let document = read_file(&path, &ReadOptions::default()).unwrap();
+        let said = problems(&document);
+        let expected = format!("scene.xml:1:1: found {expected}, expected a scene as XML");
+        assert!(said.len() == 1 && said[0].ends_with(&expected), "{said:?}");
+    }
+}
