@@ -317,8 +317,8 @@ fn planted_errors_change_the_light_of_fresh_paths() {
         let found = ["diffuse box", "mirror hall", "open air"].map(|name| {
             let (stage, seed) = (stage_of(name), seed(5000));
             let mut wrong = BidirectionalMutation::new(1, MOST).with_fault(fault);
-            let traced = traced(&stage, (seed, 30_000));
-            let afresh = made_afresh(&stage, &mut wrong, (seed + 1, 30_000));
+            let traced = traced(&stage, (seed, samples(30_000)));
+            let afresh = made_afresh(&stage, &mut wrong, (seed + 1, samples(30_000)));
             let found = differences(&traced, &afresh);
             found.iter().map(|(_, z)| z.abs()).fold(0.0, f64::max)
         });

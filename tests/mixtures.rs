@@ -194,8 +194,9 @@ fn energy_flows_back_with_either_density() {
 #[test]
 fn kernels_left_out_of_the_ratio_are_found() {
     let stage = stage_of(stages()[0].name);
+    let count = samples(3 * SAMPLES);
     for ratio in [Ratio::Nothing, Ratio::OneSided] {
-        let (worst, z) = flow(&stage, ratio, (seed(1300), 3 * SAMPLES)).worst(3 * SAMPLES);
+        let (worst, z) = flow(&stage, ratio, (seed(1300), count)).worst(count);
         println!("{ratio:?}: {worst} {z:.1}");
         assert!(two_sided_p(z) < 1e-6, "{ratio:?}: {worst} {z}");
     }
