@@ -104,6 +104,7 @@ done
 
 exposure=0
 if scene cornell-box 320x268; then
+    reference path 2048
     picture cornell-box path 256
 fi
 if scene cornell-caustic 320x268; then
