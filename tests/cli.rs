@@ -44,6 +44,9 @@ const ROOM: &str = r#"<scene version="3.0.0">
 </scene>
 "#;
 
+/// What is said of integrators that do not find the light of a beam.
+const BLIND: &str = "not find the light of collimated beams; bdpt, ptracer, ";
+
 /// A folder of its own for each test, in which the command runs.
 struct Place(TempDir);
 
@@ -64,6 +67,15 @@ impl Place {
         let place = Self::new();
         place.write("room.xml", ROOM);
         place
+    }
+
+    /// Puts a beam without width into the room, which not every integrator finds, as `beam.xml`.
+    fn write_room_with_beam(&self) {
+        let beam = r#"<emitter type="collimated"><float name="power" value="3"/></emitter>"#;
+        self.write(
+            "beam.xml",
+            &ROOM.replace("</scene>", &format!("{beam}</scene>")),
+        );
     }
 
     fn path(&self, name: &str) -> PathBuf {

@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::notes::Notes;
 use crate::film::{Filter, FilterKind};
 use crate::integrator::{self, Algorithm, Aov};
+use crate::scene::Scene;
 use crate::scene::import::IntegratorRequest;
 use crate::scene::import::xml::{Diagnostic, Name, Severity, did_you_mean};
 use crate::scene::options::{OptionError, OptionReader, OptionValue, Options};
@@ -14,6 +15,10 @@ const DEFAULT_INTEGRATOR: &str = "path";
 
 /// Options that mean the same to any integrator: what is kept when another one takes over.
 const SHARED_OPTIONS: [&str; 3] = ["max_depth", "rr_depth", "hide_emitters"];
+
+/// What finds the light of beams without width.
+const SEERS_OF_BEAMS: &str = "bdpt, ptracer, mmlt, pssmlt with bidirectional=true, and erpt, pmc-er \
+                              and mlt with seeds=bdpt";
 
 /// Name under which the variance of the image's mean is asked for.
 const VARIANCE: &str = "variance";
@@ -128,6 +133,31 @@ pub(super) fn check_names(wish: &Wish<'_>) -> Result<(), Failure> {
         )));
     }
     named_layers(wish.layers).map(|_| ())
+}
+
+/// Warns where integrators do not find some light of a scene.
+///
+/// - `plans`: each with the name that the message has for it.
+pub(super) fn note_unseen_beams<'p>(
+    scene: &Scene,
+    plans: impl IntoIterator<Item = (&'p str, &'p Plan)>,
+    notes: &mut Notes,
+) {
+    if !scene.lights().has_beams() {
+        return;
+    }
+    let blind = plans
+        .into_iter()
+        .filter(|(_, plan)| !plan.integrator.shows_traced_light());
+    let blind: Vec<String> = blind.map(|(name, _)| format!("\"{name}\"")).collect();
+    if !blind.is_empty() {
+        let verb = if blind.len() == 1 { "does" } else { "do" };
+        let names = blind.join(", ");
+        notes.warn(
+            None,
+            format!("{names} {verb} not find the light of collimated beams; {SEERS_OF_BEAMS} do"),
+        );
+    }
 }
 
 /// The filter that the arguments ask for.

@@ -77,7 +77,7 @@ impl Session<'_> {
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);
         let view = self.view(&imported, target)?;
         let plan = Plan::new(&wish(args), &imported.integrator, &mut notes)?;
-        note_unseen_beams(&imported, &plan, &mut notes);
+        plan::note_unseen_beams(&imported.scene, [(&*plan.name, &plan)], &mut notes);
         notes.settle()?;
 
         let job = Job {
@@ -235,16 +235,5 @@ fn remark(finished: &Finished, job: &Job<'_>, notes: &mut Notes) {
             "no layer \"variance\": with the sampler \"{sampler}\" it needs more than {group} \
              samples a pixel"
         ));
-    }
-}
-
-/// Warns where an integrator does not find some light of a scene.
-fn note_unseen_beams(imported: &Imported, plan: &Plan, notes: &mut Notes) {
-    if imported.scene.lights().has_beams() && !plan.integrator.shows_traced_light() {
-        let seers = "bdpt, ptracer, mmlt, pssmlt with bidirectional=true, \
-                     and erpt, pmc-er and mlt with seeds=bdpt";
-        let name = &plan.name;
-        let message = format!("\"{name}\" does not find the light of collimated beams; {seers} do");
-        notes.warn(None, message);
     }
 }

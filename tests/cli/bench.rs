@@ -5,7 +5,7 @@ use std::fs;
 use lumiflow::image::write_png;
 use serde_json::Value;
 
-use super::{Place, without_run};
+use super::{BLIND, Place, without_run};
 
 /// The small room with a reference of ours, made with a seed that is not measured.
 pub(super) fn measured_room() -> Place {
@@ -277,4 +277,19 @@ fn mistakes_are_told_before_anything_is_rendered() {
         "{}",
         done.stderr
     );
+}
+
+#[test]
+fn entrants_that_do_not_find_beams_are_named() {
+    let place = measured_room();
+    place.write_room_with_beam();
+    let names = "path,bdpt,erpt:seeds=bdpt,erpt:chain_length=9";
+    let effort = ["--spp", "1", "--seeds", "1"];
+    let bench = |scene| [&["bench", scene, "-i", names], &effort[..]].concat();
+    let done = place.succeed(&bench("beam.xml"));
+    let expected = format!("warning: \"path\", \"erpt:chain_length=9\" do {BLIND}");
+    assert!(done.stderr.contains(&expected), "{}", done.stderr);
+    let done = place.succeed(&bench("room.xml"));
+    assert!(!done.stderr.contains(BLIND), "{}", done.stderr);
+    place.fail(&[&bench("beam.xml")[..], &["--strict"]].concat(), 3, BLIND);
 }

@@ -2,7 +2,7 @@
 
 use lumiflow::image::{AttributeValue, Precision, read_bitmap};
 
-use super::{Place, without_run};
+use super::{BLIND, Place, without_run};
 
 fn text(place: &Place, file: &str, name: &str) -> String {
     match place.exr(file).metadata.get(name) {
@@ -225,6 +225,27 @@ fn what_the_scene_has_wrong_is_a_warning_with_its_place() {
     );
     let quiet = place.succeed(&["render", "a.xml", "-q", "--spp", "1"]);
     assert_eq!(quiet.stderr, "");
+}
+
+#[test]
+fn integrators_that_do_not_find_beams_say_so() {
+    let place = Place::with_room();
+    place.write_room_with_beam();
+    let render = |scene, integrator| ["render", scene, "--spp", "1", "-i", integrator, "--json"];
+    let done = place.succeed(&render("beam.xml", "path"));
+    let expected = format!("warning: \"path\" does {BLIND}");
+    assert!(done.stderr.contains(&expected), "{}", done.stderr);
+    let warnings = done.json()["warnings"].to_string();
+    assert!(warnings.contains(BLIND), "{warnings}");
+    for [scene, integrator] in [["beam.xml", "bdpt"], ["room.xml", "path"]] {
+        let done = place.succeed(&render(scene, integrator));
+        assert!(
+            !done.stderr.contains(BLIND),
+            "{integrator}: {}",
+            done.stderr
+        );
+    }
+    place.fail(&["render", "beam.xml", "--strict"], 3, BLIND);
 }
 
 #[test]

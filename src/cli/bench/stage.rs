@@ -11,7 +11,7 @@ use super::yardstick::{Course, Yardstick};
 use crate::cli::args::{BenchArgs, Crop};
 use crate::cli::failure::Failure;
 use crate::cli::notes::Notes;
-use crate::cli::plan::Plan;
+use crate::cli::plan::{Plan, note_unseen_beams};
 use crate::report::{BenchScene, option_value};
 use crate::scene::import::{Imported, View};
 
@@ -56,7 +56,10 @@ impl Stage {
             wish.map(|wish| Plan::new(&wish, &imported.integrator, &mut notes))
                 .transpose()
         };
-        let plans = entrants.iter().map(plan).collect::<Result<_, _>>()?;
+        let plans: Vec<Option<Plan>> = entrants.iter().map(plan).collect::<Result<_, _>>()?;
+        let labelled = entrants.iter().zip(&plans);
+        let labelled = labelled.filter_map(|(e, plan)| Some((&*e.label, plan.as_ref()?)));
+        note_unseen_beams(&imported.scene, labelled, &mut notes);
         warn_of_equal_seeds(&course, args, &yardstick, &mut notes);
         notes.settle()?;
         Ok(Self {
