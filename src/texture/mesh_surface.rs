@@ -36,6 +36,12 @@ impl MeshSurface {
         }
     }
 
+    /// The texture coordinates at a place of the chart.
+    #[inline]
+    pub(super) fn uv_at(&self, place: Vec2) -> Vec2 {
+        self.uv(&self.locate(place))
+    }
+
     /// A place of the chart; one beside it becomes the first triangle.
     #[inline]
     fn locate(&self, place: Vec2) -> Place {
@@ -155,26 +161,21 @@ impl OnMesh {
             nested: Box::new(nested),
         }
     }
-
-    #[inline]
-    fn uv(&self, place: Vec2) -> Vec2 {
-        self.surface.uv(&self.surface.locate(place))
-    }
 }
 
 impl TextureModel for OnMesh {
     #[inline]
     fn colour(&self, uv: Vec2) -> Rgb {
-        self.nested.colour(self.uv(uv))
+        self.nested.colour(self.surface.uv_at(uv))
     }
 
     #[inline]
     fn value(&self, uv: Vec2) -> f32 {
-        self.nested.value(self.uv(uv))
+        self.nested.value(self.surface.uv_at(uv))
     }
 
     fn gradient(&self, uv: Vec2) -> Vec2 {
-        self.nested.gradient(self.uv(uv))
+        self.nested.gradient(self.surface.uv_at(uv))
     }
 
     fn mean(&self) -> Rgb {
@@ -183,6 +184,13 @@ impl TextureModel for OnMesh {
 
     fn is_constant(&self) -> bool {
         self.nested.is_constant()
+    }
+
+    fn of_numbers(self) -> Self {
+        Self {
+            nested: Box::new(self.nested.of_numbers()),
+            ..self
+        }
     }
 
     fn without_negatives(&self) -> Option<Self> {
@@ -249,7 +257,7 @@ mod tests {
         use crate::texture::Checkerboard;
         let colours = [Rgb::grey(0.2), Rgb::grey(0.7)];
         let board = Checkerboard::new(colours, Mat3::IDENTITY);
-        let on_mesh = OnMesh::new(surface(), board.into());
+        let on_mesh = OnMesh::new(surface(), board.clone().into());
         for (triangle, x, y, u, v) in [(0, 0.5, 0.0, 1.0, 0.25), (1, 0.0, 0.1, 1.85, 0.75)] {
             let found = on_mesh.colour(place(triangle, x, y));
             assert_eq!(found, board.colour(Vec2::new(u, v)));

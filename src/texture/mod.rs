@@ -39,6 +39,14 @@ pub trait TextureModel {
         false
     }
 
+    /// The texture whose colours are the numbers of this one, where those lie in other places.
+    fn of_numbers(self) -> Self
+    where
+        Self: Sized,
+    {
+        self
+    }
+
     /// The same with zero in place of negative numbers, as light has it; `None` where there are none.
     fn without_negatives(&self) -> Option<Self>
     where
@@ -91,6 +99,9 @@ macro_rules! texture_models {
             fn is_constant(&self) -> bool {
                 match self { $(Self::$model(t) => t.is_constant(),)* }
             }
+            fn of_numbers(self) -> Self {
+                match self { $(Self::$model(t) => t.of_numbers().into(),)* }
+            }
             fn without_negatives(&self) -> Option<Self> {
                 match self { $(Self::$model(t) => t.without_negatives().map(Self::from),)* }
             }
@@ -101,7 +112,7 @@ macro_rules! texture_models {
 texture_models! {
     /// A picture.
     Bitmap(Bitmap),
-    /// Squares of two colours.
+    /// Squares of two textures.
     Checkerboard(Checkerboard),
     /// One colour everywhere.
     Constant(Constant),

@@ -46,6 +46,12 @@ impl TextureModel for Product {
         self.factors.iter().all(Texture::is_constant)
     }
 
+    fn of_numbers(self) -> Self {
+        Self {
+            factors: Box::new(self.factors.map(TextureModel::of_numbers)),
+        }
+    }
+
     /// Each factor by itself.
     fn without_negatives(&self) -> Option<Self> {
         let [a, b] = &*self.factors;

@@ -47,6 +47,13 @@ impl TextureModel for Scaled {
         self.nested.is_constant()
     }
 
+    fn of_numbers(self) -> Self {
+        Self {
+            nested: Box::new(self.nested.of_numbers()),
+            ..self
+        }
+    }
+
     /// The texture and the factor, each by itself.
     fn without_negatives(&self) -> Option<Self> {
         let (nested, factor) = (self.nested.without_negatives(), super::clamped(self.factor));

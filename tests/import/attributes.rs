@@ -101,6 +101,32 @@ fn bitmaps_beside_attributes_keep_their_place() {
     }
 }
 
+/// The squares lie by texture coordinates, what they show by the mesh, whatever is asked for where.
+#[test]
+fn squares_show_attributes() {
+    let inside = "<texture type='checkerboard' name='color1'>\
+                  <rgb name='color0' value='0.9'/><rgb name='color1' value='0.1'/>\
+                  <transform name='to_uv'><scale x='2' y='2'/></transform></texture>";
+    let board = format!(
+        "<texture type='checkerboard' name='reflectance'>{}{inside}</texture>",
+        attribute("vertex_color", "color0")
+    );
+    let bsdf = format!("<bsdf type='diffuse'>{board}</bsdf>");
+    let scene = imported(&shape(&bsdf)).expect("a sound scene");
+    // As above; the red of a vertex is its place along x.
+    for (x, y, expected) in [
+        (0.1, 0.05, 0.1),
+        (0.2, 0.25, 0.2),
+        (0.2, 0.05, 0.9),
+        (0.2, 0.1, 0.1),
+        (0.3, 0.05, 0.1),
+        (0.3, 0.1, 0.9),
+    ] {
+        let found = albedo(&scene, x, y).r();
+        assert!((found - expected).abs() < 1e-4, "{found} at {x}, {y}");
+    }
+}
+
 #[test]
 fn attributes_that_are_not_there_are_refused() {
     let bsdf = |name: &str| {

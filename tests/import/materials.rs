@@ -200,3 +200,40 @@ fn scaled_textures_are_read_and_empty_ones_refused() {
         )],
     );
 }
+
+/// Squares of squares are where arithmetic has them; squares of one grey are that grey.
+#[test]
+fn squares_hold_textures_and_refs_to_them() {
+    let inner = "<texture type='checkerboard' id='inner'><rgb name='color0' value='0.9'/>\
+                 <rgb name='color1' value='0.1'/>\
+                 <transform name='to_uv'><scale x='4' y='4'/></transform></texture>";
+    let at = |fields: &str, x: f32, y: f32| {
+        let board = format!("<texture name='reflectance' type='checkerboard'>{fields}</texture>");
+        let scene = material("diffuse", &board).replace("<shape", &format!("{inner}<shape"));
+        check(&scene, &[], "");
+        let files = [("scene.xml", scene.as_bytes())];
+        let imported = import_files(&files, Strictness::Strict).expect("a sound scene");
+        below(&imported, x, y).0
+    };
+    let nested = "<ref name='color0' id='inner'/><rgb name='color1' value='0.3, 0.4, 0.5'/>";
+    // Coordinates are half the place and a half; the inner squares have sides of an eighth.
+    for (x, y, expected) in [
+        (-0.9, -0.9, Rgb::grey(0.9)),
+        (-0.9, -0.7, Rgb::grey(0.1)),
+        (-0.6, -0.6, Rgb::grey(0.9)),
+        (0.9, 0.6, Rgb::grey(0.1)),
+        (0.9, -0.6, Rgb::new(0.3, 0.4, 0.5)),
+        (-0.1, 0.1, Rgb::new(0.3, 0.4, 0.5)),
+    ] {
+        assert_eq!(at(nested, x, y), expected, "at {x}, {y}");
+    }
+    let grey = "<texture type='checkerboard' name='color0'><rgb name='color0' value='0.3'/>\
+                <rgb name='color1' value='0.3'/></texture><rgb name='color1' value='0.3'/>";
+    for x in [-0.9, -0.3, 0.3, 0.9] {
+        assert_eq!(at(grey, x, 0.4), Rgb::grey(0.3));
+    }
+    let unknown = "\n<texture name='reflectance' type='checkerboard'>\n\
+                   <texture type='cheesecloth' name='color1'/></texture>";
+    let said = "5:1: unknown texture \"cheesecloth\"";
+    refuse("diffuse", &[(unknown, said)]);
+}

@@ -45,9 +45,12 @@ impl Loader<'_> {
     pub(super) fn texture(&mut self, id: ElementId) -> Option<Texture> {
         match self.tree[id].plugin.as_str() {
             // Those below have been given their places.
-            "scale" if self.carrier.is_some() => {
+            "scale" | "checkerboard" if self.carrier.is_some() => {
                 let mut reader = self.reader(id);
-                let built = self.scaled(&mut reader);
+                let built = match reader.plugin() {
+                    "scale" => self.scaled(&mut reader),
+                    _ => Some(self.checkerboard(&mut reader)),
+                };
                 reader.finish();
                 return built;
             }
@@ -159,20 +162,20 @@ impl Loader<'_> {
         Some(Texture::Bitmap(texture))
     }
 
-    fn checkerboard(&self, reader: &mut ElementReader<'_>) -> Texture {
+    fn checkerboard(&mut self, reader: &mut ElementReader<'_>) -> Texture {
         let to_uv = self.to_uv(reader);
-        let mut colour = |name, default| {
-            reader
-                .colour(name, ColourUse::Reflectance)
-                .unwrap_or(Rgb::grey(default))
-        };
-        let (first, second) = (colour("color0", 0.4), colour("color1", 0.2));
-        let board = Checkerboard::new([first, second], to_uv);
-        Texture::Checkerboard(if self.tree.version().is_first_generation() {
-            board
-        } else {
-            board.with_numbers_swapped()
-        })
+        let fields = [("color0", 0.4), ("color1", 0.2)];
+        let fields = fields.map(|(name, default)| self.reflectance(reader, name, default));
+        let mut board = Checkerboard::new(fields, to_uv);
+        if !self.tree.version().is_first_generation() {
+            board = board.with_numbers_swapped();
+        }
+        let carrier = self.carrier.as_ref();
+        let surface = carrier.and_then(|carrier| carrier.surface.clone());
+        match surface {
+            Some(surface) => board.on_mesh(surface).into(),
+            None => board.into(),
+        }
     }
 
     fn scaled(&mut self, reader: &mut ElementReader<'_>) -> Option<Texture> {

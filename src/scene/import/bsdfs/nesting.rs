@@ -8,7 +8,7 @@ use crate::bsdf::{
 use crate::math::Rgb;
 use crate::scene::import::loader::Loader;
 use crate::scene::import::xml::{ColourSource, ColourUse, ElementId, ElementKind, ElementReader};
-use crate::texture::Texture;
+use crate::texture::{Texture, TextureModel};
 
 /// Coats a material: of two-sided ones each side, since a coat has one side only.
 fn on_each_side(
@@ -77,12 +77,9 @@ impl Loader<'_> {
     }
 
     pub(super) fn mask(&mut self, reader: &mut ElementReader<'_>) -> Result<Bsdf, BsdfError> {
-        let opacity = match self.reflectance(reader, "opacity", 0.5) {
-            // A number in Mitsuba 3, where a colour has one opacity a channel here.
-            Texture::Checkerboard(board) => board.of_numbers().into(),
-            other => other,
-        };
-        Ok(Mask::new(opacity, self.only_nested(reader)).into())
+        let opacity = self.reflectance(reader, "opacity", 0.5);
+        // A number in Mitsuba 3, where a colour has one opacity a channel here.
+        Ok(Mask::new(opacity.of_numbers(), self.only_nested(reader)).into())
     }
 
     pub(super) fn bump_map(&mut self, reader: &mut ElementReader<'_>) -> Bsdf {

@@ -107,7 +107,7 @@ impl Loader<'_> {
     }
 
     /// A colour or texture of values from 0 to 1.
-    pub(super) fn reflectance(
+    pub(in crate::scene::import) fn reflectance(
         &mut self,
         reader: &mut ElementReader<'_>,
         name: &str,
