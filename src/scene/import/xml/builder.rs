@@ -25,6 +25,10 @@ use super::values::shown;
 /// stack.
 pub(super) const DEEPEST: usize = 100;
 
+/// Materials and textures that hold more objects than this are refused, each counted as often as it is
+/// referred to: they are copied as often, so a few lines of refs to refs could fill all memory.
+pub(super) const MOST_PARTS: usize = 10_000;
+
 /// How to read a scene.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::builder::{Builder, DEEPEST, FileContext};
+use super::builder::{Builder, DEEPEST, FileContext, MOST_PARTS};
 use super::kinds::ElementKind;
 use super::names::Name;
 use super::source::Location;
@@ -55,10 +55,16 @@ enum State {
     New,
     /// On the way from the start to where the search stands.
     Open,
-    Done {
-        /// Longest way down from it.
-        height: usize,
-    },
+    Done(Extent),
+}
+
+/// How much lies in an object.
+#[derive(Clone, Copy)]
+struct Extent {
+    /// Longest way down from it.
+    height: usize,
+    /// It and all that it holds, each object as often as it is referred to.
+    parts: usize,
 }
 
 impl Ids {
@@ -214,27 +220,26 @@ impl Builder {
         }
     }
 
-    /// Leaves out each child by which an object would be inside itself or nested too deep.
+    /// Leaves out each child by which an object would be inside itself, nested too deep, or too large.
     fn cut_cycles(&mut self) {
         let mut states = vec![State::New; self.elements.len()];
         let mut cut = BTreeSet::new();
         for start in 0..self.elements.len() {
             let mut trail = vec![(start, 0)];
             while let Some((index, position)) = trail.pop() {
-                if matches!(states[index], State::Done { .. }) {
+                if matches!(states[index], State::Done(_)) {
                     continue;
                 }
                 states[index] = State::Open;
                 let Some(child) = self.elements[index].children.get(position) else {
-                    let height = self.height(index, &states, &mut cut);
-                    states[index] = State::Done { height };
+                    states[index] = State::Done(self.extent(index, &states, &mut cut));
                     continue;
                 };
                 trail.push((index, position + 1));
                 let inner = child.element.0 as usize;
                 match states[inner] {
                     State::New => trail.push((inner, 0)),
-                    State::Done { .. } => {}
+                    State::Done(_) => {}
                     State::Open => {
                         let open = trail.iter().map(|(open, _)| *open);
                         let circle: Vec<usize> = open.skip_while(|open| *open != inner).collect();
@@ -249,22 +254,34 @@ impl Builder {
         }
     }
 
-    /// Longest way down from an object whose children are done; cuts those that are too high.
-    fn height(&self, index: usize, states: &[State], cut: &mut BTreeSet<(usize, usize)>) -> usize {
-        let mut highest = 0;
-        for (position, child) in self.elements[index].children.iter().enumerate() {
-            let State::Done { height } = states[child.element.0 as usize] else {
+    /// How much lies in an object whose children are done; cuts those that are too high or too much.
+    fn extent(&self, index: usize, states: &[State], cut: &mut BTreeSet<(usize, usize)>) -> Extent {
+        let element = &self.elements[index];
+        // Others are built once, however often they are referred to.
+        let is_copied = matches!(element.kind, ElementKind::Bsdf | ElementKind::Texture);
+        let mut whole = Extent {
+            height: 0,
+            parts: 1,
+        };
+        for (position, child) in element.children.iter().enumerate() {
+            let State::Done(inner) = states[child.element.0 as usize] else {
                 continue;
             };
-            if height >= DEEPEST {
-                let message = format!("objects are nested more than {DEEPEST} deep");
-                self.problems.error(&child.location, message);
-                cut.insert((index, position));
+            let parts = whole.parts.saturating_add(inner.parts);
+            let complaint = if inner.height >= DEEPEST {
+                format!("objects are nested more than {DEEPEST} deep")
+            } else if is_copied && parts > MOST_PARTS {
+                let title = element.title();
+                format!("{title} holds more than {MOST_PARTS} objects, with those of its refs")
             } else {
-                highest = highest.max(height + 1);
-            }
+                let height = whole.height.max(inner.height + 1);
+                whole = Extent { height, parts };
+                continue;
+            };
+            self.problems.error(&child.location, complaint);
+            cut.insert((index, position));
         }
-        highest
+        whole
     }
 
     fn note_circle(&self, circle: &[usize], location: &Location) {

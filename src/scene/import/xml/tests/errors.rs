@@ -92,6 +92,28 @@ fn nesting_has_a_limit_that_no_ref_gets_around() {
 }
 
 #[test]
+fn refs_to_refs_cannot_make_a_material_of_any_size() {
+    let link = |i| {
+        let below = format!("<ref id='b{}'/>", i + 1);
+        format!("<bsdf type='a' id='b{i}'>\n{below}{below}</bsdf>\n")
+    };
+    let chain = |links: usize| {
+        let chain: String = (0..links).map(link).collect();
+        read_body(&format!("{chain}<bsdf type='a' id='b{links}'/>"))
+    };
+    // The first one holds 2¹³ − 1 objects, itself included.
+    assert!(problems(&chain(12)).is_empty());
+    let said = problems(&chain(13));
+    let expected = "t.xml:3:15: bsdf \"a\" holds more than 10000 objects, with those of its refs";
+    assert_eq!(said, [expected]);
+    assert_eq!(problems(&chain(60)).len(), 48);
+    // Shapes are no copies of each other: as many as one likes.
+    let shape = "<shape type='s'><ref id='b0'/></shape>".repeat(5);
+    let many = format!("{shape}{}", (0..12).map(link).collect::<String>());
+    assert!(problems(&read_body(&format!("{many}<bsdf type='a' id='b12'/>"))).is_empty());
+}
+
+#[test]
 fn values_given_twice_count_once() {
     let body =
         "<bsdf type='a'><float name='toWorld' value='1'/>\n<float name='to_world' value='2'/>
