@@ -34,6 +34,7 @@ mod path_inversion;
 mod paths;
 mod pmc_er;
 mod primary_space;
+mod recording;
 mod reference;
 mod scales;
 mod scattering;

@@ -136,7 +136,7 @@ fn build(installation: &Installation) -> Result<(), Box<dyn Error>> {
 }
 
 fn compile_shim(installation: &Installation) {
-    let sources = ["csrc/shim.c", "csrc/analytic.c"];
+    let sources = ["csrc/shim.c", "csrc/raw.c", "csrc/analytic.c"];
     println!("cargo::rerun-if-changed=csrc");
     cc::Build::new()
         .files(sources)

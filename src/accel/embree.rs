@@ -40,6 +40,11 @@ impl EmbreeAccel {
         })
     }
 
+    /// The scene in Embree's own terms.
+    pub(super) fn scene(&self) -> &CommittedScene {
+        &self.scene
+    }
+
     /// As [`super::Accel::memory`].
     pub(super) fn memory(&self) -> MemoryUse {
         self.scene.device().memory()
@@ -127,8 +132,9 @@ fn add_all(
     Ok(())
 }
 
+/// The ray in Embree's own terms.
 #[inline]
-fn embree_ray(ray: &Ray) -> embree4_sys::Ray {
+pub(super) fn embree_ray(ray: &Ray) -> embree4_sys::Ray {
     embree4_sys::Ray {
         origin: ray.origin().to_array(),
         direction: ray.direction().to_array(),

@@ -1,22 +1,30 @@
 //! Rays against geometry: the only module that speaks to the tracers.
 //!
 //! There are two: Embree, and a tree of obvhs that is walked in double precision. Which one is at work
-//! is chosen when a scene is built; a branch on it costs a ray one comparison.
+//! is chosen when a scene is built; a branch on it costs a ray one comparison. Either can be made to keep
+//! what it is asked ([`Accel::recording`]), for measurements.
 
 mod embree;
 mod obvhs;
+mod other;
+mod raw;
 mod ray;
+mod recorder;
 
 use std::fmt;
 
 pub use embree::versions;
-pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, MemoryUse, VertexBuffer};
+pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, MemoryUse, Tally, VertexBuffer};
 pub use obvhs::VERSION as OBVHS_VERSION;
+pub use raw::RawRays;
 pub use ray::Ray;
+pub use recorder::{Query, Recording};
 
 use crate::math::Vec3;
 use embree::EmbreeAccel;
 use obvhs::ObvhsAccel;
+use other::Other;
+use recorder::Recorder;
 
 /// What a tracer can be given.
 #[derive(Clone, Debug)]
@@ -129,7 +137,7 @@ pub struct Accel(Built);
 #[derive(Debug)]
 enum Built {
     Embree(EmbreeAccel),
-    Obvhs(ObvhsAccel),
+    Other(Other),
 }
 
 /// Asks whichever tracer is at work.
@@ -137,7 +145,7 @@ macro_rules! forward {
     ($self:ident, $accel:ident => $call:expr) => {
         match &$self.0 {
             Built::Embree($accel) => $call,
-            Built::Obvhs($accel) => $call,
+            Built::Other($accel) => $call,
         }
     };
 }
@@ -162,15 +170,34 @@ impl Accel {
     ) -> Result<Self, AccelError> {
         Ok(Self(match engine {
             Engine::Embree => Built::Embree(EmbreeAccel::build(geometries, groups, instances)?),
-            Engine::Obvhs => Built::Obvhs(ObvhsAccel::build(geometries, groups, instances)?),
+            Engine::Obvhs => {
+                let accel = ObvhsAccel::build(geometries, groups, instances)?;
+                Built::Other(Other::Obvhs(accel))
+            }
         }))
+    }
+
+    /// The same tracer, which keeps every ray that it is asked about from now on: in the order of asking
+    /// where one thread asks. For measurements; slower, and memory grows with every ray.
+    #[must_use]
+    pub fn recording(self) -> Self {
+        Self(Built::Other(Other::Recorder(Box::new(Recorder::new(self)))))
+    }
+
+    /// What was asked since [`Accel::recording`] or the last time; `None` where nothing is kept.
+    pub fn take_recording(&self) -> Option<Recording> {
+        match &self.0 {
+            Built::Other(Other::Recorder(recorder)) => Some(recorder.take()),
+            _ => None,
+        }
     }
 
     /// Which tracer this is.
     pub fn engine(&self) -> Engine {
         match &self.0 {
             Built::Embree(_) => Engine::Embree,
-            Built::Obvhs(_) => Engine::Obvhs,
+            Built::Other(Other::Obvhs(_)) => Engine::Obvhs,
+            Built::Other(Other::Recorder(recorder)) => recorder.inner().engine(),
         }
     }
 
@@ -186,7 +213,7 @@ impl Accel {
         match &self.0 {
             Built::Embree(accel) => accel.intersect(ray),
             // A copy, and the hit part by part, so that both can stay in registers.
-            Built::Obvhs(accel) => accel.intersect(&{ *ray }).map(|hit| Hit {
+            Built::Other(accel) => accel.intersect(&{ *ray }).map(|hit| Hit {
                 distance: hit.distance,
                 u: hit.u,
                 v: hit.v,
@@ -203,7 +230,7 @@ impl Accel {
     pub fn is_occluded(&self, ray: &Ray) -> bool {
         match &self.0 {
             Built::Embree(accel) => accel.is_occluded(ray),
-            Built::Obvhs(accel) => accel.is_occluded(&{ *ray }),
+            Built::Other(accel) => accel.is_occluded(&{ *ray }),
         }
     }
 

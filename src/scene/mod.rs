@@ -144,6 +144,15 @@ impl Scene {
         &self.accel
     }
 
+    /// The same scene, whose tracer keeps what it is asked, see [`Accel::recording`].
+    #[must_use]
+    pub fn recording(self) -> Self {
+        Self {
+            accel: self.accel.recording(),
+            ..self
+        }
+    }
+
     /// A material.
     #[inline]
     pub fn bsdf(&self, id: BsdfId) -> &Bsdf {

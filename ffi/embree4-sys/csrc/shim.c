@@ -1,8 +1,7 @@
-#include "shim.h"
+#include "ray.h"
 
 #include <math.h>
 #include <stddef.h>
-#include <string.h>
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -30,28 +29,6 @@ _Static_assert(_Alignof(struct RTCRay8) == 32, "packets are aligned by 32 bytes"
 _Static_assert(sizeof(struct ShimHit) == 36, "ShimHit has no padding");
 _Static_assert(offsetof(struct ShimHit, primitive) == 12, "distance to primitive are one piece");
 _Static_assert(sizeof(struct ShimShape) == 24 + 13 * sizeof(double), "ShimShape has no padding");
-
-/* 16 bytes that are written at once: what is read in larger pieces than it was written in has to
- * wait until it has left for the cache. */
-typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
-
-/* The bits of a number as a part of a Four. */
-static inline float as_float(unsigned bits)
-{
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static inline void set_ray(struct RTCRay *ray, Four origin_near, Four direction_time, float far)
-{
-    *(Four *)&ray->org_x = origin_near;
-    *(Four *)&ray->dir_x = direction_time;
-    ray->tfar = far;
-    ray->mask = 0xFFFFFFFFu;
-    ray->id = 0;
-    ray->flags = 0;
-}
 
 bool shim_intersect(RTCScene scene, float origin_x, float origin_y, float origin_z, float near,
                     float direction_x, float direction_y, float direction_z, float far,

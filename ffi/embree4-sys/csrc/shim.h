@@ -7,6 +7,7 @@
 
 #include <rtcore.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #if RTC_VERSION < 31300
 #error "Embree 3.13 or newer is needed"
@@ -33,6 +34,18 @@ struct ShimCurves {
     const float (*points)[4]; /* x, y, z, radius */
     const unsigned *segments; /* the first of each segment's two points */
     unsigned segment_count;
+};
+
+/* A ray as it is recorded. */
+struct ShimRay {
+    float origin[3], near;
+    float direction[3], far;
+};
+
+/* What became of many rays. */
+struct ShimTally {
+    unsigned long long hits;
+    double distances; /* the sum, in the order of the rays; zero of occlusion */
 };
 
 /* What a closest hit is. */
@@ -63,6 +76,13 @@ void shim_intersect_packet(RTCScene scene, const int *valid, struct RTCRayHit8 *
 
 /* Whether anything is hit, for eight rays at once: `tfar` of a ray becomes minus infinity. */
 void shim_occluded_packet(RTCScene scene, const int *valid, struct RTCRay8 *rays);
+
+/* Traces rays one by one in a loop that does nothing else; every ray must be one that Embree
+ * accepts. */
+struct ShimTally shim_raw_closest(RTCScene scene, const struct ShimRay *rays, size_t count);
+
+/* Whether anything is hit, likewise. */
+struct ShimTally shim_raw_occluded(RTCScene scene, const struct ShimRay *rays, size_t count);
 
 /* A new, uncommitted user geometry with one primitive; NULL on error. */
 RTCGeometry shim_new_analytic(RTCDevice device, enum ShimKind kind, const struct ShimShape *shape);

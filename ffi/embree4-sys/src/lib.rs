@@ -42,6 +42,7 @@ mod denormals;
 mod device;
 mod error;
 mod packets;
+mod raw;
 mod scene;
 
 /// What bindgen made of `csrc/shim.h` and the installed headers.
@@ -63,4 +64,5 @@ pub use curves::CurveBasis;
 pub use denormals::flush_denormals;
 pub use device::{Device, MemoryUse, Version, Versions};
 pub use error::Error;
+pub use raw::{RawRays, Tally};
 pub use scene::{Bounds, CommittedScene, Hit, Ray};

@@ -3,6 +3,7 @@
 mod analytic;
 mod curves;
 mod packets;
+mod raw;
 mod referee;
 mod scenes;
 mod triangles;
