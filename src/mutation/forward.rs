@@ -87,8 +87,8 @@ pub(super) fn rebuild(
                 return Err(Rejection::SignatureChanged);
             }
             if index == last {
-                proposal.vertices_mut()[index] = PathVertex::surface(&met, event);
-                return connect(space, proposal, last, met.back);
+                let vertex = PathVertex::surface(&met, event);
+                return connect(space, proposal, (last, vertex), met.back);
             }
             let Some(redirect) = redirect else {
                 return Err(Rejection::SignatureChanged);
@@ -185,31 +185,33 @@ fn arrive_at_light(
 }
 
 /// Connects a moved finite vertex to the next vertex of the path, which stays.
+///
+/// - `from`: the moved vertex, which has its place in the path when all is well.
 fn connect(
     space: &PathSpace<'_>,
     proposal: &mut Path,
-    last: usize,
+    (last, mut from): (usize, PathVertex),
     to_eye: Vec3,
 ) -> Result<(), Rejection> {
-    let vertices = proposal.vertices_mut();
-    let (mut from, mut to) = (vertices[last], vertices[last + 1]);
-    let (direction, _) = space.edge(&from, &to).ok_or(Rejection::Dark)?;
+    let to = &proposal.vertices()[last + 1];
+    let (direction, _) = space.edge(&from, to).ok_or(Rejection::Dark)?;
     from.value = space.finite_value(&from, to_eye, direction);
-    to.value = match vertices.get(last + 2) {
+    let value = match proposal.vertices().get(last + 2) {
         Some(after) => {
-            let (to_light, _) = space.edge(&to, after).ok_or(Rejection::Dark)?;
-            space.finite_value(&to, -direction, to_light)
+            let (to_light, _) = space.edge(to, after).ok_or(Rejection::Dark)?;
+            space.finite_value(to, -direction, to_light)
         }
-        None => space.emission(&to, -direction),
+        None => space.emission(to, -direction),
     };
-    if from.value.is_black() || to.value.is_black() {
+    if from.value.is_black() || value.is_black() {
         return Err(Rejection::Dark);
     }
-    if !space.is_visible(&from, &to) {
+    if !space.is_visible(&from, to) {
         return Err(Rejection::Occluded);
     }
+    let vertices = proposal.vertices_mut();
     vertices[last] = from;
-    vertices[last + 1] = to;
+    vertices[last + 1].value = value;
     Ok(())
 }
 
