@@ -34,6 +34,15 @@ pub(crate) fn row(file: &Path, recorded: &Recorded, rounds: &[Round]) {
     let bound = |r: &Round| items / (r.raw_closest + r.raw_occlusion) / 1e6;
     let rate = |r: &Round| items / r.render / 1e6;
     let each = |measure: &dyn Fn(&Round) -> f64| Spread::new(rounds.iter().map(measure)).show();
+    // Of chains, which ask about one ray at a time, the way through the calls would tell nothing else.
+    let is_together = recorded.calls.calls().any(|(_, rays)| rays.len() > 1);
+    let as_asked = |measure: &dyn Fn(&Round) -> f64| {
+        if is_together {
+            each(measure)
+        } else {
+            "–".to_owned()
+        }
+    };
     let per_ray = |seconds: &dyn Fn(&Round) -> f64, rays: usize| {
         let spread = Spread::new(rounds.iter().map(|r| seconds(r) / rays as f64 * 1e9));
         format!("{:.1}", spread.median)
@@ -55,8 +64,8 @@ pub(crate) fn row(file: &Path, recorded: &Recorded, rounds: &[Round]) {
         each(&|r| r.raw_closest / r.hit),
         each(&|r| r.raw_closest / r.surface),
         each(&|r| r.raw_occlusion / r.occlusion),
-        each(&|r| r.raw_closest / r.surface_as_asked),
-        each(&|r| r.raw_occlusion / r.occlusion_as_asked),
+        as_asked(&|r| r.raw_closest / r.surface_as_asked),
+        as_asked(&|r| r.raw_occlusion / r.occlusion_as_asked),
         each(&rate),
         each(&bound),
         each(&|r| rate(r) / bound(r)),
