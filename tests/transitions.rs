@@ -41,11 +41,11 @@ fn mirror_room() -> Stage {
     }
 }
 
-/// Whether moves of the raster position stay on the film, and no vertex is near the edge between floor
-/// and mirror.
+/// Whether moves of the raster position stay on the film, and no vertex is near the edges where floor or
+/// ceiling meet the mirror: beyond them there is nothing to propose.
 fn is_in_the_middle(path: &Path) -> bool {
     let off = path.raster() - 0.5 * SIDE as f32;
-    let from_edge = |at: Vec3| at.y + at.z + 2.0;
+    let from_edge = |at: Vec3| at.y.min(4.0 - at.y) + at.z + 2.0;
     let inner = &path.vertices()[1..path.edges()];
     let is_free = inner.iter().all(|v| from_edge(v.position()) > 0.3);
     is_free && off.abs().max_element() < 3.0
