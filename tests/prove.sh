@@ -10,21 +10,30 @@
 # LUMIFLOW_PROVE_FROM=end: it begins with the last test, and either one leaves out what the other
 # has done.
 #
-# A proof that was interrupted goes on where it was when it is asked for with the same seed at the
-# same commit: target/proof/ holds what has passed.
+# A proof that was interrupted goes on where it was when it is asked for with the same seed. What has
+# passed counts as long as neither the program nor the test has changed since: target/proof/ holds a
+# file for each test, named after the test and after the sources that it was made of.
 set -eu
 cd -- "$(dirname -- "$0")/.."
 
 export LUMIFLOW_PROVE=1 LUMIFLOW_PROVE_SEED="${LUMIFLOW_PROVE_SEED:-$(date +%s)}"
 commit=$(git describe --always --dirty --abbrev=12 --exclude='*' 2>/dev/null || echo unknown)
-kept="${CARGO_TARGET_DIR:-target}/proof"
-mkdir -p "$kept"
-# One line of the table for each test that has run.
-table="$kept/$commit-$LUMIFLOW_PROVE_SEED.md"
+kept="${CARGO_TARGET_DIR:-target}/proof/$LUMIFLOW_PROVE_SEED"
 # Only a commit says what was proven.
 case "$commit" in
-*dirty | unknown) rm -f "$table" ;;
+*dirty | unknown) rm -rf "$kept" ;;
 esac
+mkdir -p "$kept"
+
+# record NAME: the file of a test.
+record() {
+    module=${1%%::*}
+    sources=$(for path in src ffi scenes Cargo.lock tests/support "tests/$module.rs" "tests/$module"; do
+        git rev-parse --verify --quiet "HEAD:$path" || true
+    done | git hash-object --stdin | cut -c 1-12)
+    printf '%s/%s-%s' "$kept" "$1" "$sources"
+}
+
 output=$(mktemp)
 trap 'rm -f "$output"' EXIT
 stopped() {
@@ -45,10 +54,10 @@ order=cat
 [ "${LUMIFLOW_PROVE_FROM:-start}" != end ] || order=tac
 [ -n "$names" ] || { echo "no test uses tests/support/effort.rs" >&2; exit 1; }
 
-touch "$table"
 for name in $(echo "$names" | $order); do
+    record=$(record "$name")
     # One that has failed runs again.
-    if grep -qF "| \`$name\` | passed |" "$table"; then
+    if grep -qF '| passed |' "$record" 2>/dev/null; then
         continue
     fi
     if tests --exact "$name" >"$output" 2>&1; then
@@ -60,11 +69,10 @@ for name in $(echo "$names" | $order); do
     # The last word of "test result: …; finished in 0.52s".
     seconds=$(awk '/^test result:/ { time = $NF } END { print time }' "$output")
     # shellcheck disable=SC2016 # backquotes of Markdown
-    printf '| `%s` | %s | %s |\n' "$name" "$result" "${seconds:-?}" | tee -a "$table"
+    printf '| `%s` | %s | %s |\n' "$name" "$result" "${seconds:-?}" | tee "$record"
 done
 
-# The last line of each test: another process, or a second run, may have added one.
-results=$(awk '{ last[$2] = $0 } END { for (name in last) print last[name] }' "$table" | sort)
+results=$(for name in $names; do cat "$(record "$name")"; done)
 failed=$(echo "$results" | grep -cF '| FAILED |' || true)
 
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
@@ -74,7 +82,8 @@ mkdir -p docs
     echo "# Proof"
     echo
     echo "The statistical tests with sixteen times the samples of the suite, a level a hundred times as"
-    echo "strict, and random numbers of their own. \`./x prove\` wrote this file; do not edit it."
+    echo "strict, and random numbers of their own. A test that has passed counts as long as neither the program"
+    echo "nor the test has changed. \`./x prove\` wrote this file; do not edit it."
     echo
     echo "- Date: $(date -u '+%Y-%m-%d %H:%M') UTC"
     echo "- Commit: $commit"
