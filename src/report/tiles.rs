@@ -6,7 +6,7 @@ use crate::math::statistics::two_sided_p;
 /// z-scores of the tiles of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileScores {
-    /// Tiles that were tested. Tiles that agree exactly and have no variance are not.
+    /// Tiles that were tested. Tiles that agree to rounding and have no variance are not.
     pub tiles: usize,
     /// Mean of z², one where noise is all there is.
     pub mean_square: f64,
@@ -32,11 +32,20 @@ pub fn tile_scores(subject: &Subject<'_>, side: u32) -> Option<[TileScores; QUAN
     }))
 }
 
+/// Sums over a tile.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    difference: f64,
+    variance: f64,
+    /// Of the larger of both values' sizes.
+    size: f64,
+}
+
 /// z of each quantity of each tile; `None` where there is nothing to test.
 fn tiles(subject: &Subject<'_>, side: u32) -> Vec<[Option<f64>; QUANTITIES]> {
     let (width, height) = (subject.image.width, subject.image.height);
     let columns = width.div_ceil(side);
-    let mut sums = vec![[(0.0, 0.0); QUANTITIES]; (columns * height.div_ceil(side)) as usize];
+    let mut sums = vec![[Sums::default(); QUANTITIES]; (columns * height.div_ceil(side)) as usize];
     for index in subject.indices() {
         let (x, y) = (index as u32 % width, index as u32 / width);
         let tile = &mut sums[(y / side * columns + x / side) as usize];
@@ -44,20 +53,23 @@ fn tiles(subject: &Subject<'_>, side: u32) -> Vec<[Option<f64>; QUANTITIES]> {
         let other = quantities(subject.reference.colours[index]);
         let spread = subject.variance_of_difference(index).unwrap_or_default();
         for (quantity, spread) in variances(spread).into_iter().enumerate() {
-            let (difference, variance) = &mut tile[quantity];
-            *difference += own[quantity] - other[quantity];
-            *variance += spread;
+            let sums = &mut tile[quantity];
+            let (own, other) = (own[quantity], other[quantity]);
+            sums.difference += own - other;
+            sums.variance += spread;
+            sums.size += own.abs().max(other.abs());
         }
     }
     sums.into_iter().map(|tile| tile.map(z_score)).collect()
 }
 
 /// A difference in units of its standard error; infinite where a value is not finite.
-fn z_score((difference, variance): (f64, f64)) -> Option<f64> {
-    if difference == 0.0 && variance == 0.0 {
+fn z_score(sums: Sums) -> Option<f64> {
+    let rounding = f64::from(f32::EPSILON) * sums.size;
+    if sums.variance == 0.0 && sums.difference.abs() <= rounding {
         return None;
     }
-    let z = difference / variance.sqrt();
+    let z = sums.difference / sums.variance.sqrt();
     Some(if z.is_nan() { f64::INFINITY } else { z })
 }
 
@@ -180,6 +192,13 @@ mod tests {
         let found = tile_scores(&subject, 16).unwrap();
         assert_eq!((found[2].tiles, found[2].largest), (1, f64::INFINITY));
         assert_eq!(found[1].tiles, 0);
+        // What rounding makes of a mean is no difference.
+        let rounded = flat(1.0 + f32::EPSILON);
+        let nearly = Subject {
+            image: &rounded,
+            ..subject
+        };
+        assert_eq!(tile_scores(&nearly, 16).unwrap()[1].tiles, 0);
         let mut not_finite = image.clone();
         not_finite.colours[0] = Rgb::grey(f32::NAN);
         let broken = Subject {
