@@ -28,7 +28,7 @@ mkdir -p "$kept"
 # record NAME: the file of a test.
 record() {
     module=${1%%::*}
-    sources=$(for path in src ffi scenes Cargo.lock tests/support "tests/$module.rs" "tests/$module"; do
+    sources=$(for path in src ffi scenes Cargo.toml Cargo.lock tests/support "tests/$module.rs" "tests/$module"; do
         git rev-parse --verify --quiet "HEAD:$path" || true
     done | git hash-object --stdin | cut -c 1-12)
     printf '%s/%s-%s' "$kept" "$1" "$sources"

@@ -87,7 +87,11 @@ impl Start<'_> {
             threads: usize::from(self.rules.args.threads),
         };
         let title = (!self.rules.args.quiet).then_some(self.title);
-        let remark = |text| say(&format!("{}: warning: {text}", self.title));
+        let remark = |text| {
+            if let Some(title) = title {
+                say(&format!("{title}: warning: {text}"));
+            }
+        };
         let finished = job.execute(self.rules.interruption, title, remark)?;
         if self.rules.interruption.exit_code().is_some() {
             return Ok(Outcome::Interrupted);
