@@ -56,13 +56,13 @@ fn single_rays_are_told_all_about() {
     let again = place.run(&["crosscheck", "room.xml", "--ray", ray]);
     assert_eq!(again.stdout, done.stdout);
     let through = place.run(&["crosscheck", "room.xml", "--ray", "0.5,0.5,4,0,0,-1,0,inf"]);
-    for part in [
-        "embree      distance 4.0, geometry 0",
-        "referee     distance 4,",
-        "both agree",
-    ] {
+    for part in ["geometry 0", "referee     distance 4,", "both agree"] {
         assert!(through.stdout.contains(part), "{part}: {}", through.stdout);
     }
+    // Embree's own distance depends on how the processor divides.
+    let (_, rest) = through.stdout.split_once("embree      distance ").unwrap();
+    let distance: f32 = rest.split(',').next().unwrap().parse().unwrap();
+    assert!((distance - 4.0).abs() < 1e-5, "{}", through.stdout);
 }
 
 #[test]
