@@ -8,9 +8,11 @@ use lumiflow::random::{Numbers, Purpose, Stream};
 
 use crate::support::effort::{level, samples, seed};
 
+/// Neither end lies at that of a cell of the histograms: rounding would put the longest steps into cells
+/// where none is expected.
 const STEPS: SmallSteps = SmallSteps {
     smallest: 1.0 / 64.0,
-    largest: 0.25,
+    largest: 0.26,
 };
 
 const UNIT: (Vec2, Vec2) = (Vec2::ZERO, Vec2::ONE);
