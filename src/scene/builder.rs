@@ -58,6 +58,11 @@ impl SceneBuilder {
         self.engine = engine;
     }
 
+    /// The tracer.
+    pub fn engine(&self) -> Engine {
+        self.engine
+    }
+
     /// Adds a material.
     pub fn add_bsdf(&mut self, bsdf: impl Into<Bsdf>) -> BsdfId {
         self.bsdfs.push(bsdf.into());

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::loader::Loader;
+use super::shortage::MemoryWatch;
 use super::xml::{Diagnostics, Location, Strictness};
 use crate::image::{self, Bitmap};
 
@@ -18,6 +19,8 @@ const PLUGINS: [&str; 4] = ["bitmap", "ldrtexture", "exrtexture", "envmap"];
 pub(super) enum Outcome {
     /// The file cannot be read.
     Unreadable(String),
+    /// There is no memory for the file, as the loader's watch has noted.
+    NoMemory,
     /// The hash of its bytes, and what they decode to or why they do not.
     Read(u64, Result<Arc<Bitmap>, String>),
 }
@@ -33,8 +36,9 @@ impl Loader<'_> {
         let files =
             pictures.filter_map(|id| self.tree.reader(id, &quiet).optional_file("filename"));
         let files: HashSet<PathBuf> = files.collect();
+        let memory = &self.memory;
         let read = files.into_par_iter().map(|file| {
-            let outcome = read(&file);
+            let outcome = read(&file, memory);
             (file, outcome)
         });
         self.decoded = read.collect();
@@ -46,8 +50,12 @@ impl Loader<'_> {
         if let Some(known) = self.bitmaps.get(file) {
             return known.clone();
         }
-        let outcome = self.decoded.remove(file).unwrap_or_else(|| read(file));
+        let outcome = self
+            .decoded
+            .remove(file)
+            .unwrap_or_else(|| read(file, &self.memory));
         let decoded = match outcome {
+            Outcome::NoMemory => return None,
             Outcome::Unreadable(message) => Err(message),
             Outcome::Read(hash, decoded) => {
                 self.take_into_hash(&hash.to_le_bytes());
@@ -65,7 +73,10 @@ impl Loader<'_> {
     }
 }
 
-fn read(file: &Path) -> Outcome {
+fn read(file: &Path, memory: &MemoryWatch) -> Outcome {
+    if !memory.admits(file) {
+        return Outcome::NoMemory;
+    }
     match std::fs::read(file) {
         Err(reason) => Outcome::Unreadable(format!("cannot read {}: {reason}", file.display())),
         Ok(bytes) => {

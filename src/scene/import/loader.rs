@@ -7,13 +7,14 @@ use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::Progress;
 use super::bitmaps::Outcome;
 use super::media::Medium;
 use super::mesh::serialized::SerializedFile;
 use super::shapes::{MeshFault, MeshOutcome};
+use super::shortage::MemoryWatch;
 use super::textures::Carrier;
 use super::xml::{Diagnostics, ElementId, ElementReader, Location, SceneTree, did_you_mean};
+use super::{ImportOptions, Progress};
 use crate::image::Bitmap;
 use crate::scene::{BsdfId, GroupId, SceneBuilder};
 use crate::texture::Texture;
@@ -38,6 +39,7 @@ pub(super) struct Loader<'t> {
     pub(super) serialized: HashMap<PathBuf, Result<SerializedFile, MeshFault>>,
     pub(super) meshes: HashMap<ElementId, MeshOutcome>,
     pub(super) progress: Progress,
+    pub(super) memory: MemoryWatch,
     /// Pictures by file, as decoded; those that were read ahead and wait for their use.
     pub(super) bitmaps: HashMap<PathBuf, Option<Arc<Bitmap>>>,
     pub(super) decoded: HashMap<PathBuf, Outcome>,
@@ -59,11 +61,17 @@ pub(super) struct Loader<'t> {
 }
 
 impl<'t> Loader<'t> {
-    pub(super) fn new(tree: &'t SceneTree, problems: &'t Diagnostics, progress: Progress) -> Self {
+    pub(super) fn new(
+        tree: &'t SceneTree,
+        problems: &'t Diagnostics,
+        options: &ImportOptions,
+    ) -> Self {
+        let mut builder = SceneBuilder::new();
+        builder.trace_with(options.engine);
         Self {
             tree,
             problems,
-            builder: SceneBuilder::new(),
+            builder,
             shapes: Vec::new(),
             members: Vec::new(),
             instances: Vec::new(),
@@ -72,7 +80,8 @@ impl<'t> Loader<'t> {
             textures: HashMap::new(),
             serialized: HashMap::new(),
             meshes: HashMap::new(),
-            progress,
+            progress: options.progress.clone(),
+            memory: MemoryWatch::new(options.gauge.clone()),
             bitmaps: HashMap::new(),
             decoded: HashMap::new(),
             default_bsdfs: [None; 2],
@@ -97,8 +106,11 @@ impl<'t> Loader<'t> {
     }
 
     /// Reads a file that the scene uses, and takes it into the scene's hash; a file that cannot be
-    /// read is noted.
+    /// read, or that there is no memory for, is noted.
     pub(super) fn read_bytes(&self, file: &Path, location: &Location) -> Option<Vec<u8>> {
+        if !self.memory.admits(file) {
+            return None;
+        }
         match std::fs::read(file) {
             Ok(bytes) => {
                 self.take_into_hash(&bytes);

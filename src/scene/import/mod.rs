@@ -123,6 +123,16 @@ pub enum ImportError {
     },
 }
 
+impl ImportError {
+    /// There is not enough memory for a scene.
+    fn short(file: &Path, shortage: Shortage) -> Self {
+        Self::Memory {
+            file: file.to_owned(),
+            shortage: Box::new(shortage),
+        }
+    }
+}
+
 /// The diagnostics, a line each.
 fn all_of(diagnostics: &[Diagnostic]) -> String {
     diagnostics
@@ -145,13 +155,17 @@ pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
         return import_model(file, options);
     }
     let document = xml::read_file(file, &options.read)?;
-    let mut loader = Loader::new(&document.tree, &document.problems, options.progress.clone());
+    let mut loader = Loader::new(&document.tree, &document.problems, options);
     let (views, integrator) = loader.load(options);
+    let short = |shortage| ImportError::short(file, shortage);
+    if let Some(shortage) = std::mem::take(&mut loader.memory).into_shortage() {
+        return Err(short(shortage));
+    }
     let hash = loader.hash();
     let media = std::mem::take(&mut loader.media);
     let media = media.into_iter().map(|(_, medium)| medium).collect();
     if !document.problems.has_errors() {
-        check_memory(file, &loader.builder, &options.gauge)?;
+        check_memory(&loader.builder, &options.gauge).map_err(short)?;
     }
     let scene = match loader.finish() {
         Some(scene) if !document.problems.has_errors() => scene,
@@ -171,15 +185,11 @@ pub fn import(file: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
 /// Whether there is memory to build a scene.
 ///
 /// # Errors
-/// [`ImportError::Memory`] where it runs short.
-fn check_memory(file: &Path, builder: &SceneBuilder, gauge: &Gauge) -> Result<(), ImportError> {
+/// [`Shortage::Building`] where it runs short.
+fn check_memory(builder: &SceneBuilder, gauge: &Gauge) -> Result<(), Shortage> {
     let needed = builder.needed_memory();
-    gauge
-        .check(needed.tree.peak)
-        .map_err(|available| ImportError::Memory {
-            file: file.to_owned(),
-            shortage: Box::new(Shortage { needed, available }),
-        })
+    let checked = gauge.check(needed.tree.peak);
+    checked.map_err(|available| Shortage::Building { needed, available })
 }
 
 impl Loader<'_> {
@@ -189,7 +199,6 @@ impl Loader<'_> {
         // A file that could not be read to its end lacks things that it may well have.
         let is_whole = !self.problems.has_errors();
         let mut reader = self.reader(root);
-        self.builder.trace_with(options.engine);
         self.take_tree_into_hash(options);
         self.read_bitmaps_ahead();
         // Materials that no shape uses are read, too: their problems count.

@@ -70,8 +70,11 @@ impl<'o> Model<'o> {
     /// Starts a model, with the bytes of its file.
     ///
     /// # Errors
-    /// [`ReadError::Io`] for a file that cannot be read.
+    /// [`ReadError::Io`] for a file that cannot be read, [`ImportError::Memory`] for one that there is no
+    /// memory for.
     fn open(file: &Path, options: &'o ImportOptions) -> Result<(Self, Vec<u8>), ImportError> {
+        let admitted = options.gauge.check_file(file, 0);
+        admitted.map_err(|shortage| ImportError::short(file, shortage))?;
         let bytes = std::fs::read(file).map_err(|reason| ReadError::Io {
             path: file.to_owned(),
             reason,
@@ -138,7 +141,7 @@ impl<'o> Model<'o> {
     /// Builds the scene, with a camera and light where there are none.
     ///
     /// # Errors
-    /// [`ImportError::Scene`] when a problem is an error.
+    /// [`ImportError::Scene`] when a problem is an error, [`ImportError::Memory`] before memory runs out.
     fn finish(mut self) -> Result<Imported, ImportError> {
         let place = self.line(1);
         if !self.has_light {
@@ -150,7 +153,8 @@ impl<'o> Model<'o> {
             return Err(ImportError::Scene(self.problems.sorted()));
         }
         let file = &self.source.path;
-        super::check_memory(file, &self.builder, &self.options.gauge)?;
+        let checked = super::check_memory(&self.builder, &self.options.gauge);
+        checked.map_err(|shortage| ImportError::short(file, shortage))?;
         self.options.progress.tell(Stage::Building);
         let built = self.builder.build();
         self.options.progress.tell(Stage::Built);

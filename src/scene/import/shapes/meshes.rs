@@ -10,11 +10,12 @@ use super::super::loader::Loader;
 use super::super::mesh::serialized::SerializedFile;
 use super::super::mesh::{ImportedMesh, obj, ply};
 use super::super::progress::Stage;
+use super::super::shortage::MemoryWatch;
 use super::super::xml::{ElementId, ElementKind, ElementReader};
 use super::groups::HOLDERS;
 use crate::math::Mat4;
 use crate::shape::mesh::{MeshAttribute, MeshData};
-use crate::shape::{Shape, TriangleMesh};
+use crate::shape::{Shape, ShapeModel, TriangleMesh};
 
 /// What an element asks of a mesh file.
 #[derive(Clone)]
@@ -48,6 +49,8 @@ pub(in crate::scene::import) struct LoadedMesh {
 pub(in crate::scene::import) enum MeshFault {
     /// The file cannot be read.
     Unreadable(String),
+    /// There is no memory for the file, as the loader's watch has noted.
+    NoMemory,
     /// Something is wrong with a property, or with what it names.
     Broken(&'static str, String),
 }
@@ -67,7 +70,8 @@ impl Loader<'_> {
         }
         self.open_serialized_files(&requests);
         let (done, all) = (AtomicUsize::new(0), requests.len());
-        let (serialized, progress) = (&self.serialized, &self.progress);
+        let (serialized, progress, memory) = (&self.serialized, &self.progress, &self.memory);
+        let engine = self.builder.engine();
         let read = requests.into_par_iter().map(|(id, request)| {
             let loaded = match request.format {
                 Format::Serialized(index) => {
@@ -80,8 +84,11 @@ impl Loader<'_> {
                         ),
                     )
                 }
-                _ => request.read(),
+                _ => request.read(memory),
             };
+            if let (_, Ok(loaded)) = &loaded {
+                memory.note(loaded.mesh.geometry().build_memory(engine));
+            }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress.tell(Stage::Read { done, all });
             (id, loaded)
@@ -122,8 +129,9 @@ impl Loader<'_> {
                 files.push(request.file.clone());
             }
         }
+        let memory = &self.memory;
         let read = files.into_par_iter().map(|file| {
-            let opened = read_file(&file).and_then(|(hash, bytes)| {
+            let opened = read_file(&file, memory).and_then(|(hash, bytes)| {
                 let opened = SerializedFile::open(&file, bytes);
                 let opened = opened.map_err(|error| broken(error.to_string()))?;
                 Ok((hash, opened))
@@ -169,6 +177,7 @@ impl Loader<'_> {
                 self.problems.unsupported(location, message, "left out");
                 None
             }
+            Err(MeshFault::NoMemory) => None,
             Err(MeshFault::Broken(property, message)) => {
                 reader.error(property, message);
                 None
@@ -212,8 +221,8 @@ fn mesh_request(reader: &mut ElementReader<'_>) -> Option<MeshRequest> {
 
 impl MeshRequest {
     /// Reads a file that holds one mesh.
-    fn read(&self) -> Hashed<MeshOutcome> {
-        let (hash, bytes) = match read_file(&self.file) {
+    fn read(&self, memory: &MemoryWatch) -> Hashed<MeshOutcome> {
+        let (hash, bytes) = match read_file(&self.file, memory) {
             Ok(read) => read,
             Err(fault) => return (0, Err(fault)),
         };
@@ -269,7 +278,10 @@ pub(super) fn placed(
     Ok(data.into())
 }
 
-fn read_file(file: &Path) -> Result<Hashed<Vec<u8>>, MeshFault> {
+fn read_file(file: &Path, memory: &MemoryWatch) -> Result<Hashed<Vec<u8>>, MeshFault> {
+    if !memory.admits(file) {
+        return Err(MeshFault::NoMemory);
+    }
     let read = std::fs::read(file).map_err(|reason| {
         MeshFault::Unreadable(format!("cannot read {}: {reason}", file.display()))
     });

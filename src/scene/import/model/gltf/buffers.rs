@@ -69,6 +69,8 @@ impl Model<'_> {
         }
         let file = self.files.find_noted(&name, &self.line(1), &self.problems);
         let file = file.ok_or_else(|| format!("{what}: its file is missing"))?;
+        let admitted = self.options.gauge.check_file(&file, 0);
+        admitted.map_err(|shortage| format!("{what}: {shortage}"))?;
         let read = read(&file).map_err(|reason| format!("{what}: {reason}"))?;
         self.take_into_hash(&read);
         Ok(read)
