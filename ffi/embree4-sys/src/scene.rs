@@ -28,7 +28,8 @@ pub(crate) const INVALID_ID: u32 = u32::MAX;
 /// A piece of a straight line.
 ///
 /// Both ends of the interval belong to it, except that triangles in scenes built without
-/// [`crate::BuildOptions::robust`] are not hit at `near` itself. A ray with a number that is broken
+/// [`crate::BuildOptions::robust`] are not hit at `near` itself. What lies there is decided by the distance
+/// that Embree finds, which differs in its last bits between processors. A ray with a number that is broken
 /// (not-a-number, infinite other than `far`, coordinates beyond [`VertexBuffer::LARGEST`], negative
 /// `near`) or with `near` above `far` misses.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ mod referee;
 mod scenes;
 mod triangles;
 
-use embree4_sys::{CommittedScene, Device, Error, Ray, SceneBuilder};
+use embree4_sys::{CommittedScene, Device, Error, Hit, Ray, SceneBuilder};
 
 const IDENTITY: [[f32; 4]; 3] = [
     [1.0, 0.0, 0.0, 0.0],
@@ -33,6 +33,33 @@ fn build(
     let mut builder = SceneBuilder::new(&Device::new("threads=1")?)?;
     fill(&mut builder)?;
     builder.commit()
+}
+
+/// Asserts that a number is another one but for rounding: Embree divides by approximate reciprocals, the
+/// last bits of which depend on the processor.
+#[track_caller]
+fn assert_close(found: f32, expected: f32) {
+    let error = (found - expected).abs();
+    assert!(error <= 1e-6 * expected.abs(), "{found}, not {expected}");
+}
+
+/// Asserts that a hit is as expected, but for rounding.
+#[track_caller]
+fn assert_hit(found: Option<Hit>, expected: Hit) {
+    let Some(found) = found else {
+        panic!("nothing is hit, not {expected:?}")
+    };
+    assert_close(found.distance, expected.distance);
+    assert_close(found.u, expected.u);
+    assert_close(found.v, expected.v);
+    let Hit { distance, u, v, .. } = found;
+    let rest = Hit {
+        distance,
+        u,
+        v,
+        ..expected
+    };
+    assert_eq!(found, rest);
 }
 
 /// Uniform numbers from a fixed seed.

@@ -7,7 +7,7 @@ use embree4_sys::{
     SceneBuilder, VertexBuffer, flush_denormals,
 };
 
-use crate::{IDENTITY, Numbers, build, ray};
+use crate::{IDENTITY, Numbers, assert_hit, build, ray};
 
 fn triangle() -> (VertexBuffer, IndexBuffer) {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -167,7 +167,7 @@ fn an_instance_is_moved_and_scaled() -> Result<(), Error> {
         instance: Some(2),
     };
     let up = ray([10.5, 1.0, 0.0], [0.0, 0.0, 1.0]);
-    assert_eq!(scene.intersect(&up), Some(on_triangle));
+    assert_hit(scene.intersect(&up), on_triangle);
     assert!(scene.occluded(&up));
     // The sphere is centred at (10, 0, 11) with radius 2 there.
     let down = ray([10.0, 0.0, 20.0], [0.0, 0.0, -1.0]);
