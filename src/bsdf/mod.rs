@@ -222,6 +222,12 @@ macro_rules! bsdf_models {
             pub fn name(&self) -> &'static str {
                 match self { $(Self::$model(_) => stringify!($model),)* }
             }
+
+            /// [`BsdfModel::eval`], out of line.
+            #[inline(never)]
+            fn eval_apart(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb {
+                match self { $(Self::$model(m) => m.eval(wi, wo, at, transport),)* }
+            }
         }
 
         impl BsdfModel for Bsdf {
@@ -240,9 +246,13 @@ macro_rules! bsdf_models {
                 -> Option<BsdfSample> {
                 match self { $(Self::$model(m) => m.sample(wi, at, transport, u_lobe, u),)* }
             }
-            #[inline]
+            #[inline(always)]
             fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb {
-                match self { $(Self::$model(m) => m.eval(wi, wo, at, transport),)* }
+                match self {
+                    Self::Diffuse(m) => m.eval(wi, wo, at, transport),
+                    Self::TwoSided(m) => m.eval(wi, wo, at, transport),
+                    other => other.eval_apart(wi, wo, at, transport),
+                }
             }
             #[inline]
             fn density(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> SolidAngleDensity {

@@ -166,10 +166,14 @@ impl BsdfModel for TwoSided {
         self.sample_other(wi, at, transport, u_lobe, u)
     }
 
-    #[inline]
+    #[inline(always)]
     fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, transport: Transport) -> Rgb {
         let (bsdf, turn) = self.side(wi);
-        bsdf.eval(turn.over(wi), turn.over(wo), at, transport)
+        let (wi, wo) = (turn.over(wi), turn.over(wo));
+        match bsdf {
+            Bsdf::Diffuse(diffuse) => diffuse.eval(wi, wo, at, transport),
+            other => other.eval_apart(wi, wo, at, transport),
+        }
     }
 
     #[inline]

@@ -56,19 +56,27 @@ pub fn within(place: f32, low: f32, high: f32) -> f32 {
 pub fn uniform_disk(u: Vec2) -> Vec2 {
     let a = 2.0 * u.x - 1.0;
     let b = 2.0 * u.y - 1.0;
-    // By selections, not branches: which wedge a point falls into cannot be predicted.
-    let is_wide = a * a > b * b;
-    let (radius, across) = if is_wide { (a, b) } else { (b, a) };
+    let is_high = a * a <= b * b;
+    let (radius, across) = swapped_if(is_high, a, b);
     if radius == 0.0 {
         return Vec2::ZERO;
     }
     let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (across / radius));
-    let (along, across) = (radius * cos, radius * sin);
-    if is_wide {
-        Vec2::new(along, across)
-    } else {
-        Vec2::new(across, along)
-    }
+    swapped_if(is_high, radius * cos, radius * sin).into()
+}
+
+/// Two numbers, in the other order where asked.
+///
+/// By their bits: the compiler makes a branch of anything else, and which wedge a point falls into cannot
+/// be foreseen.
+#[inline]
+fn swapped_if(swap: bool, a: f32, b: f32) -> (f32, f32) {
+    let (a, b) = (a.to_bits(), b.to_bits());
+    let difference = (a ^ b) & u32::from(swap).wrapping_neg();
+    (
+        f32::from_bits(a ^ difference),
+        f32::from_bits(b ^ difference),
+    )
 }
 
 /// Sine and cosine of an angle of at most an eighth of a turn either way, to 1e-7.

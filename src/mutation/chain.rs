@@ -32,6 +32,9 @@ pub struct Chain {
     proposal: Path,
     /// Targets of the current path in the coordinates of each mutation, as far as they are known.
     targets: [Option<f64>; Mutation::COUNT],
+    /// [`Mutate::last_changed`] of each mutation, as far as it is known: the same for all paths that
+    /// perturbations make of one.
+    last_changed: [Option<Option<usize>>; Mutation::COUNT],
     /// Where the last mutation tried to go on the image.
     tried: Option<Vec2>,
     /// What became of the mutations so far.
@@ -43,7 +46,14 @@ impl Chain {
     pub fn start(&mut self, seed: &Path) {
         self.current.copy_from(seed);
         self.proposal.copy_from(seed);
+        self.forget();
+    }
+
+    /// Forgets what is known about the current path.
+    #[inline]
+    fn forget(&mut self) {
         self.targets = [None; Mutation::COUNT];
+        self.last_changed = [None; Mutation::COUNT];
     }
 
     /// The current path.
@@ -100,8 +110,7 @@ impl Chain {
         }
         let value = self.proposal.value();
         let target = mutation.target_of_value(space, settings, &self.proposal, value);
-        let choices = choice.density(space, &self.proposal, &self.current, mutation)
-            / choice.density(space, &self.current, &self.proposal, mutation);
+        let choices = choice.ratio(space, &self.current, &self.proposal, mutation);
         let choices = settings.fault.keep(Fault::Choice, choices);
         let excess = if settings.fault.is(Fault::Ratio) {
             1.01
@@ -110,8 +119,9 @@ impl Chain {
         };
         let ratio = target / here * choices * excess;
         // Not a number, infinite or zero: nothing that a chain could go to.
-        let acceptance = if ratio.is_finite() && here > 0.0 {
-            ratio.clamp(0.0, 1.0)
+        let acceptance = if ratio.is_finite() && ratio > 0.0 && here > 0.0 {
+            // Unlike `clamp`, no branch: which side of one it lies on cannot be foreseen.
+            ratio.min(1.0)
         } else {
             0.0
         };
@@ -181,15 +191,18 @@ impl Chain {
         }
         let index = proposed.made_by.index();
         self.statistics[index].accepted += 1;
-        self.targets = [None; Mutation::COUNT];
         match proposed.made_by {
             Move::Perturbation(mutation) => {
-                if let Some(last) = mutation.last_changed(&self.current) {
+                if let Some(last) = self.last_changed(mutation) {
                     self.current.copy_prefix(&self.proposal, last);
                 }
+                self.targets = [None; Mutation::COUNT];
                 self.targets[index] = proposed.target;
             }
-            _ => self.current.copy_from(&self.proposal),
+            _ => {
+                self.current.copy_from(&self.proposal);
+                self.forget();
+            }
         }
     }
 
@@ -198,11 +211,18 @@ impl Chain {
     fn restore(&mut self, made_by: Move) {
         match made_by {
             Move::Perturbation(mutation) => {
-                if let Some(last) = mutation.last_changed(&self.current) {
+                if let Some(last) = self.last_changed(mutation) {
                     self.proposal.copy_prefix(&self.current, last);
                 }
             }
             _ => self.proposal.copy_from(&self.current),
         }
+    }
+
+    /// [`Mutate::last_changed`] at the current path.
+    #[inline]
+    fn last_changed(&mut self, mutation: Mutation) -> Option<usize> {
+        let current = &self.current;
+        *self.last_changed[mutation as usize].get_or_insert_with(|| mutation.last_changed(current))
     }
 }

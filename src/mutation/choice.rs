@@ -18,6 +18,12 @@ pub trait Choose {
     ///
     /// - `from`, `to`: the path left and the path proposed.
     fn density(&self, space: &PathSpace<'_>, from: &Path, to: &Path, mutation: Mutation) -> f64;
+
+    /// [`Choose::density`] of the way back over that of the way there: a factor of the acceptance.
+    #[inline]
+    fn ratio(&self, space: &PathSpace<'_>, from: &Path, to: &Path, mutation: Mutation) -> f64 {
+        self.density(space, to, from, mutation) / self.density(space, from, to, mutation)
+    }
 }
 
 /// The choice by a path's signature.
@@ -128,6 +134,12 @@ impl Choose for ChoiceAt {
     #[inline]
     fn density(&self, _: &PathSpace<'_>, _from: &Path, _to: &Path, mutation: Mutation) -> f64 {
         self.probability(mutation)
+    }
+
+    /// One: both ends have one signature.
+    #[inline]
+    fn ratio(&self, _: &PathSpace<'_>, _from: &Path, _to: &Path, _mutation: Mutation) -> f64 {
+        1.0
     }
 }
 
