@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-use lumiflow::accel::{Query, RawRays, Recording, Tally};
+use lumiflow::accel::{Query, RawPackets, RawRays, Recording, Tally};
 use lumiflow::integrator;
 use lumiflow::math::Mat4;
 use lumiflow::scene::Scene;
@@ -70,6 +70,17 @@ fn raw(scene: &Scene, query: Query, rays: &RawRays) -> Tally {
     found.expect("the tracer is Embree")
 }
 
+/// What Embree finds in packets, filled as the render asked.
+fn raw_packets(scene: &Scene, query: Query, recording: &Recording) -> Tally {
+    let calls = recording.calls().filter(|(asked, _)| *asked == query);
+    let packets = RawPackets::new(calls.map(|(_, rays)| rays));
+    let found = match query {
+        Query::Closest => scene.accel().raw_closest_packets(&packets),
+        Query::Occlusion => scene.accel().raw_occluded_packets(&packets),
+    };
+    found.expect("the tracer is Embree, and has no curves")
+}
+
 #[test]
 fn replayed_rays_find_what_they_found() {
     let box_camera = cornell_camera(Mat4::IDENTITY, SIDE);
@@ -89,6 +100,11 @@ fn replayed_rays_find_what_they_found() {
             let (found, expected) = (ours(&scene, query, &rays), raw(&scene, query, &rays));
             assert_eq!(found, expected, "{text}, {query:?}");
             assert!(found.hits > 100, "{text}, {query:?}: {found:?}");
+            assert_eq!(
+                found,
+                raw_packets(&scene, query, &recording),
+                "{text}, {query:?}"
+            );
             // The rays that were left out are no hits.
             let mut everything = Tally::default();
             for ray in &all {

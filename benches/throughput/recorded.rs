@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lumiflow::accel::{Query, RawRays, Recording};
+use lumiflow::accel::{Query, RawPackets, RawRays, Recording};
 
 use crate::{passes, scenes};
 
@@ -21,6 +21,8 @@ pub(crate) struct Recorded {
     pub(crate) closest: RawRays,
     /// Those of which it was asked whether they are free.
     pub(crate) occlusion: RawRays,
+    /// Both in packets of eight, for a render that asks about many rays at once.
+    pub(crate) packets: Option<[RawPackets; 2]>,
     /// Paths, or mutations where there are any.
     pub(crate) items: u64,
 }
@@ -51,7 +53,13 @@ impl Recorded {
             assert_eq!(kept.as_slice().len(), all.len(), "no ray is broken");
             kept
         };
+        let packets = |query| {
+            let calls = calls.calls().filter(|(asked, _)| *asked == query);
+            RawPackets::new(calls.map(|(_, rays)| rays))
+        };
+        let together = calls.calls().any(|(_, rays)| rays.len() > 1);
         Self {
+            packets: together.then(|| [Query::Closest, Query::Occlusion].map(packets)),
             name: text.split(' ').next().unwrap_or_default(),
             passes,
             closest: rays(Query::Closest),

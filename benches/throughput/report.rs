@@ -17,10 +17,10 @@ pub(crate) fn head(rounds: usize) {
     println!("as asked: in the calls of the render itself, many rays at once in `path`\n");
     println!(
         "| scene | integrator | rays an item: closest, occlusion | raw ns: closest, occlusion | \
-         hit / raw | surface / raw | occlusion / raw | surface as asked / raw | \
-         occlusion as asked / raw | M items a CPU s | bound | share of the bound |"
+         hit / raw | surface / raw | occlusion / raw | raw packets / raw: closest | occlusion | \
+         surface as asked / raw | occlusion as asked / raw | M items a CPU s | bound | share of the bound |"
     );
-    println!("|{}", "---|".repeat(12));
+    println!("|{}", "---|".repeat(14));
 }
 
 /// One scene and integrator.
@@ -31,11 +31,11 @@ pub(crate) fn row(file: &Path, recorded: &Recorded, rounds: &[Round]) {
         |f| f.to_string_lossy().into(),
     );
     let items = recorded.items as f64;
-    let bound = |r: &Round| items / (r.raw_closest + r.raw_occlusion) / 1e6;
+    let bound = |r: &Round| items / r.least_raw() / 1e6;
     let rate = |r: &Round| items / r.render / 1e6;
     let each = |measure: &dyn Fn(&Round) -> f64| Spread::new(rounds.iter().map(measure)).show();
     // Of chains, which ask about one ray at a time, the way through the calls would tell nothing else.
-    let is_together = recorded.calls.calls().any(|(_, rays)| rays.len() > 1);
+    let is_together = recorded.packets.is_some();
     let as_asked = |measure: &dyn Fn(&Round) -> f64| {
         if is_together {
             each(measure)
@@ -43,6 +43,7 @@ pub(crate) fn row(file: &Path, recorded: &Recorded, rounds: &[Round]) {
             "–".to_owned()
         }
     };
+    let packets = |r: &Round| r.raw_packets.unwrap_or_default();
     let per_ray = |seconds: &dyn Fn(&Round) -> f64, rays: usize| {
         let spread = Spread::new(rounds.iter().map(|r| seconds(r) / rays as f64 * 1e9));
         format!("{:.1}", spread.median)
@@ -64,6 +65,8 @@ pub(crate) fn row(file: &Path, recorded: &Recorded, rounds: &[Round]) {
         each(&|r| r.raw_closest / r.hit),
         each(&|r| r.raw_closest / r.surface),
         each(&|r| r.raw_occlusion / r.occlusion),
+        as_asked(&|r| r.raw_closest / packets(r)[0]),
+        as_asked(&|r| r.raw_occlusion / packets(r)[1]),
         as_asked(&|r| r.raw_closest / r.surface_as_asked),
         as_asked(&|r| r.raw_occlusion / r.occlusion_as_asked),
         each(&rate),
@@ -77,7 +80,7 @@ pub(crate) fn row(file: &Path, recorded: &Recorded, rounds: &[Round]) {
 pub(crate) fn foot() {
     println!(
         "\nAn item is a path, of `erpt` a mutation with its part of the seeds. The bound is the rate if \
-         nothing but the raw calls took time."
+         nothing but the raw calls took time, those in packets where these take less."
     );
 }
 

@@ -22,6 +22,9 @@ pub(crate) struct Round {
     pub(crate) raw_occlusion: f64,
     /// Occlusion.
     pub(crate) occlusion: f64,
+    /// Closest hits and occlusion by Embree's packets in a loop of C, where the render asks about many rays
+    /// at once.
+    pub(crate) raw_packets: Option<[f64; 2]>,
     /// Closest hits with the surface, in the calls that they were asked in: many rays at once in `path`.
     pub(crate) surface_as_asked: f64,
     /// Occlusion, likewise.
@@ -31,6 +34,13 @@ pub(crate) struct Round {
 }
 
 impl Round {
+    /// The least that Embree took for all rays: one at a time or, where that is how they are asked about,
+    /// in packets.
+    pub(crate) fn least_raw(&self) -> f64 {
+        let [closest, occlusion] = self.raw_packets.unwrap_or([f64::INFINITY; 2]);
+        self.raw_closest.min(closest) + self.raw_occlusion.min(occlusion)
+    }
+
     /// Goes every way once.
     pub(crate) fn new(scene: &Scene, recorded: &Recorded, render: &Passes<'_>) -> Self {
         let accel = scene.accel();
@@ -41,12 +51,22 @@ impl Round {
         assert_eq!(found, expected, "surfaces");
         let (hit, found) = timed(|| hits(scene, closest.as_slice()));
         assert_eq!(found, expected, "hits");
+        let closest_packets = recorded.packets.as_ref().map(|[closest, _]| {
+            let (seconds, found) = timed(|| accel.raw_closest_packets(closest));
+            assert_eq!(found, Some(expected), "packets");
+            seconds
+        });
         let (surface_as_asked, found) = timed(|| surfaces_as_asked(scene, recorded));
         assert_eq!(found, expected, "surfaces as asked");
         let (raw_occlusion, expected) = timed(|| accel.raw_occluded(occlusion));
         let expected = expected.expect("the tracer is Embree");
         let (occlusion, found) = timed(|| occluded(scene, occlusion.as_slice()));
         assert_eq!(found, expected, "occlusion");
+        let occlusion_packets = recorded.packets.as_ref().map(|[_, occlusion]| {
+            let (seconds, found) = timed(|| accel.raw_occluded_packets(occlusion));
+            assert_eq!(found, Some(expected), "packets");
+            seconds
+        });
         let (occlusion_as_asked, found) = timed(|| occluded_as_asked(scene, recorded));
         assert_eq!(found, expected, "occlusion as asked");
         let (render, ()) = timed(|| {
@@ -60,6 +80,7 @@ impl Round {
             hit,
             raw_occlusion,
             occlusion,
+            raw_packets: closest_packets.zip(occlusion_packets).map(Into::into),
             surface_as_asked,
             occlusion_as_asked,
             render,

@@ -16,7 +16,7 @@ use std::fmt;
 pub use embree::versions;
 pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, MemoryUse, Tally, VertexBuffer};
 pub use obvhs::VERSION as OBVHS_VERSION;
-pub use raw::RawRays;
+pub use raw::{RawPackets, RawRays};
 pub use ray::Ray;
 pub use recorder::{Query, Recording};
 

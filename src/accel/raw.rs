@@ -34,6 +34,18 @@ impl RawRays {
     }
 }
 
+/// Rays that Embree accepts, in its packets of eight.
+#[derive(Clone, Debug, Default)]
+pub struct RawPackets(embree4_sys::RawPackets);
+
+impl RawPackets {
+    /// Packs rays that are asked about together, those that are not broken.
+    pub fn new<'r>(groups: impl IntoIterator<Item = &'r [Ray]>) -> Self {
+        let groups = groups.into_iter().map(|rays| rays.iter().map(embree_ray));
+        Self(embree4_sys::RawPackets::new(groups))
+    }
+}
+
 impl Accel {
     /// The closest hits of many rays by calls of Embree in a loop of C; `None` where another tracer is
     /// at work.
@@ -44,6 +56,17 @@ impl Accel {
     /// Whether each of many rays hits anything, likewise.
     pub fn raw_occluded(&self, rays: &RawRays) -> Option<Tally> {
         Some(self.embree()?.scene().raw_occluded(&rays.raw))
+    }
+
+    /// As [`Accel::raw_closest`], eight rays a call; `None` also where packets find other hits than single
+    /// rays.
+    pub fn raw_closest_packets(&self, packets: &RawPackets) -> Option<Tally> {
+        self.embree()?.scene().raw_closest_packets(&packets.0)
+    }
+
+    /// As [`Accel::raw_occluded`], likewise.
+    pub fn raw_occluded_packets(&self, packets: &RawPackets) -> Option<Tally> {
+        self.embree()?.scene().raw_occluded_packets(&packets.0)
     }
 
     fn embree(&self) -> Option<&super::EmbreeAccel> {

@@ -5,6 +5,8 @@
 #include <stddef.h>
 
 _Static_assert(sizeof(struct ShimRay) == 32, "ShimRay has no padding");
+_Static_assert(offsetof(struct RTCRay8, tnear) == 96 && offsetof(struct RTCRay8, time) == 224,
+               "a packet begins like ShimPacket");
 _Static_assert(offsetof(struct ShimRay, direction) == 16, "ShimRay is two pieces of 16 bytes");
 
 /* A recorded ray in Embree's layout. */
@@ -57,6 +59,74 @@ struct ShimTally shim_raw_occluded(RTCScene scene, const struct ShimRay *rays, s
         rtcOccluded1(scene, &context, &ray);
 #endif
         tally.hits += ray.tfar == -INFINITY;
+    }
+    return tally;
+}
+
+/* Recorded rays in Embree's layout; what a call leaves as it was is set before the first one. */
+static inline void load_packet(struct RTCRay8 *to, const struct ShimPacket *from)
+{
+    memcpy(to->org_x, from->start_and_direction, sizeof from->start_and_direction);
+    memcpy(to->tfar, from->far, sizeof from->far);
+}
+
+/* The parts of a packet that all packets share. */
+static void begin_packets(struct RTCRay8 *ray)
+{
+    memset(ray, 0, sizeof *ray);
+    memset(ray->mask, 0xFF, sizeof ray->mask);
+}
+
+struct ShimTally shim_raw_closest_packets(RTCScene scene, const struct ShimPacket *packets,
+                                          size_t count)
+{
+    struct ShimTally tally = {0, 0.0};
+#if RTC_VERSION_MAJOR < 4
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+#endif
+    struct RTCRayHit8 query;
+    begin_packets(&query.ray);
+    for (size_t index = 0; index < count; index++) {
+        const struct ShimPacket *packet = &packets[index];
+        load_packet(&query.ray, packet);
+        memset(query.hit.geomID, 0xFF, sizeof query.hit.geomID);
+        memset(query.hit.instID[0], 0xFF, sizeof query.hit.instID[0]);
+#if RTC_VERSION_MAJOR >= 4
+        rtcIntersect8(packet->valid, scene, &query, NULL);
+#else
+        rtcIntersect8(packet->valid, scene, &context, &query);
+#endif
+        for (int lane = 0; lane < 8; lane++) {
+            if (query.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID) {
+                tally.hits++;
+                tally.distances += query.ray.tfar[lane];
+            }
+        }
+    }
+    return tally;
+}
+
+struct ShimTally shim_raw_occluded_packets(RTCScene scene, const struct ShimPacket *packets,
+                                           size_t count)
+{
+    struct ShimTally tally = {0, 0.0};
+#if RTC_VERSION_MAJOR < 4
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+#endif
+    struct RTCRay8 rays;
+    begin_packets(&rays);
+    for (size_t index = 0; index < count; index++) {
+        const struct ShimPacket *packet = &packets[index];
+        load_packet(&rays, packet);
+#if RTC_VERSION_MAJOR >= 4
+        rtcOccluded8(packet->valid, scene, &rays, NULL);
+#else
+        rtcOccluded8(packet->valid, scene, &context, &rays);
+#endif
+        for (int lane = 0; lane < 8; lane++)
+            tally.hits += rays.tfar[lane] == -INFINITY;
     }
     return tally;
 }

@@ -42,6 +42,13 @@ struct ShimRay {
     float direction[3], far;
 };
 
+/* Eight recorded rays, number by number, and which of them there are: -1 for those, 0 for others. */
+struct ShimPacket {
+    _Alignas(32) int valid[8];
+    float start_and_direction[7][8]; /* origin, near, direction, as Embree has them */
+    float far[8];
+};
+
 /* What became of many rays. */
 struct ShimTally {
     unsigned long long hits;
@@ -83,6 +90,12 @@ struct ShimTally shim_raw_closest(RTCScene scene, const struct ShimRay *rays, si
 
 /* Whether anything is hit, likewise. */
 struct ShimTally shim_raw_occluded(RTCScene scene, const struct ShimRay *rays, size_t count);
+
+/* The same for rays in packets: what Embree alone makes of rays that are asked about together. */
+struct ShimTally shim_raw_closest_packets(RTCScene scene, const struct ShimPacket *packets,
+                                          size_t count);
+struct ShimTally shim_raw_occluded_packets(RTCScene scene, const struct ShimPacket *packets,
+                                           size_t count);
 
 /* A new, uncommitted user geometry with one primitive; NULL on error. */
 RTCGeometry shim_new_analytic(RTCDevice device, enum ShimKind kind, const struct ShimShape *shape);

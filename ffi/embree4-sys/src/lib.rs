@@ -64,5 +64,5 @@ pub use curves::CurveBasis;
 pub use denormals::flush_denormals;
 pub use device::{Device, MemoryUse, Version, Versions};
 pub use error::Error;
-pub use raw::{RawRays, Tally};
+pub use raw::{RawPackets, RawRays, Tally};
 pub use scene::{Bounds, CommittedScene, Hit, Ray};

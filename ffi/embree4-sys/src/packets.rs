@@ -5,7 +5,7 @@ use crate::buffers::VertexBuffer;
 use crate::scene::{CommittedScene, Hit, INVALID_ID, Ray, is_traceable};
 
 /// Rays in a packet.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// Which rays of a packet are traced: -1 for those, 0 for others. Aligned as Embree wants it.
 #[derive(Default)]

@@ -4,6 +4,7 @@
 //! in the same process, with the same flags.
 
 use crate::bindings;
+use crate::packets::LANES;
 use crate::scene::{CommittedScene, Ray, is_traceable};
 
 const _: () = assert!(
@@ -30,6 +31,40 @@ impl RawRays {
     pub fn as_slice(&self) -> &[Ray] {
         &self.rays
     }
+}
+
+/// Rays that Embree accepts, eight together as it reads them.
+#[derive(Clone, Debug, Default)]
+pub struct RawPackets {
+    packets: Vec<bindings::ShimPacket>,
+}
+
+impl RawPackets {
+    /// Packs rays that are asked about together; those that are broken are left out, as by
+    /// [`RawRays::new`]. The last packet of a group may have room left.
+    pub fn new<G: IntoIterator<Item = Ray>>(groups: impl IntoIterator<Item = G>) -> Self {
+        let mut packets = Vec::new();
+        for group in groups {
+            let rays = RawRays::new(group);
+            packets.extend(rays.as_slice().chunks(LANES).map(packet));
+        }
+        Self { packets }
+    }
+}
+
+fn packet(rays: &[Ray]) -> bindings::ShimPacket {
+    let mut packet = bindings::ShimPacket::default();
+    for (lane, ray) in rays.iter().enumerate() {
+        let [x, y, z] = ray.origin;
+        let [way_x, way_y, way_z] = ray.direction;
+        let numbers = [x, y, z, ray.near, way_x, way_y, way_z];
+        for (row, number) in packet.start_and_direction.iter_mut().zip(numbers) {
+            row[lane] = number;
+        }
+        packet.far[lane] = ray.far;
+        packet.valid[lane] = -1;
+    }
+    packet
 }
 
 /// What became of many rays: two ways to trace them agree if they have the same.
@@ -68,6 +103,25 @@ impl CommittedScene {
         let (rays, count) = raw(rays);
         // SAFETY: as above.
         tally(unsafe { bindings::shim_raw_occluded(self.handle(), rays, count) })
+    }
+
+    /// As [`CommittedScene::raw_closest`], by `rtcIntersect8`.
+    ///
+    /// `None` in scenes where Embree's packets find other hits than single rays.
+    pub fn raw_closest_packets(&self, packets: &RawPackets) -> Option<Tally> {
+        let (first, count) = (packets.packets.as_ptr(), packets.packets.len());
+        // SAFETY: the scene is live and committed; the pointer leads to so many packets, aligned as
+        // Embree wants them, of rays such as it accepts.
+        let found = || unsafe { bindings::shim_raw_closest_packets(self.handle(), first, count) };
+        (!self.traces_alone()).then(|| tally(found()))
+    }
+
+    /// As [`CommittedScene::raw_occluded`], by `rtcOccluded8`; `None` as above.
+    pub fn raw_occluded_packets(&self, packets: &RawPackets) -> Option<Tally> {
+        let (first, count) = (packets.packets.as_ptr(), packets.packets.len());
+        // SAFETY: as above.
+        let found = || unsafe { bindings::shim_raw_occluded_packets(self.handle(), first, count) };
+        (!self.traces_alone()).then(|| tally(found()))
     }
 }
 

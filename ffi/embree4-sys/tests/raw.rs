@@ -1,6 +1,6 @@
 //! Embree alone finds what the safe face finds.
 
-use embree4_sys::{Error, IndexBuffer, RawRays, Ray, Tally, VertexBuffer};
+use embree4_sys::{Error, IndexBuffer, RawPackets, RawRays, Ray, Tally, VertexBuffer};
 
 use crate::{Numbers, build, ray};
 
@@ -46,6 +46,17 @@ fn recorded_rays_find_the_same_without_the_safe_face() -> Result<(), Error> {
     assert_eq!(closest.hits, occluded.hits);
     assert!(closest.hits > 1000 && closest.hits < kept.as_slice().len() as u64 - 1000);
 
+    // Together, in groups that fill their packets and others that do not.
+    for size in [1, 8, 13, COUNT] {
+        let packets = RawPackets::new(rays.chunks(size).map(|group| group.iter().copied()));
+        assert_eq!(scene.raw_closest_packets(&packets), Some(closest), "{size}");
+        assert_eq!(
+            scene.raw_occluded_packets(&packets),
+            Some(occluded),
+            "{size}"
+        );
+    }
+
     // A ray more is seen.
     let fewer = RawRays::new(rays[1..].iter().copied());
     let shorter = RawRays::new(fewer.as_slice()[1..].iter().copied());
@@ -64,5 +75,8 @@ fn no_rays_find_nothing() -> Result<(), Error> {
     let none = RawRays::new([ray([f32::NAN; 3], [1.0; 3])]);
     assert_eq!(scene.raw_closest(&none), Tally::default());
     assert_eq!(scene.raw_occluded(&none), Tally::default());
+    let none = RawPackets::new([[ray([f32::NAN; 3], [1.0; 3])]]);
+    assert_eq!(scene.raw_closest_packets(&none), Some(Tally::default()));
+    assert_eq!(scene.raw_occluded_packets(&none), Some(Tally::default()));
     Ok(())
 }
