@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-use lumiflow::accel::{Query, RawPackets, RawRays, Recording, Tally};
+use lumiflow::accel::{Query, RawRays, Recording, Tally};
 use lumiflow::integrator;
 use lumiflow::math::Mat4;
 use lumiflow::scene::Scene;
@@ -72,8 +72,7 @@ fn raw(scene: &Scene, query: Query, rays: &RawRays) -> Tally {
 
 /// What Embree finds in packets, filled as the render asked.
 fn raw_packets(scene: &Scene, query: Query, recording: &Recording) -> Tally {
-    let calls = recording.calls().filter(|(asked, _)| *asked == query);
-    let packets = RawPackets::new(calls.map(|(_, rays)| rays));
+    let packets = recording.packets(query);
     let found = match query {
         Query::Closest => scene.accel().raw_closest_packets(&packets),
         Query::Occlusion => scene.accel().raw_occluded_packets(&packets),

@@ -53,10 +53,7 @@ impl Recorded {
             assert_eq!(kept.as_slice().len(), all.len(), "no ray is broken");
             kept
         };
-        let packets = |query| {
-            let calls = calls.calls().filter(|(asked, _)| *asked == query);
-            RawPackets::new(calls.map(|(_, rays)| rays))
-        };
+        let packets = |query| calls.packets(query);
         let together = calls.calls().any(|(_, rays)| rays.len() > 1);
         Self {
             packets: together.then(|| [Query::Closest, Query::Occlusion].map(packets)),

@@ -40,7 +40,7 @@ pub struct RawPackets(embree4_sys::RawPackets);
 
 impl RawPackets {
     /// Packs rays that are asked about together, those that are not broken.
-    pub fn new<'r>(groups: impl IntoIterator<Item = &'r [Ray]>) -> Self {
+    pub(super) fn new<'r>(groups: impl IntoIterator<Item = &'r [Ray]>) -> Self {
         let groups = groups.into_iter().map(|rays| rays.iter().map(embree_ray));
         Self(embree4_sys::RawPackets::new(groups))
     }

@@ -3,7 +3,7 @@
 use std::mem;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{Accel, Hit, MemoryUse, Ray};
+use super::{Accel, Hit, MemoryUse, RawPackets, Ray};
 use crate::math::Vec3;
 
 /// What is asked about a ray.
@@ -48,6 +48,12 @@ impl Recording {
     pub fn rays(&self, query: Query) -> Vec<Ray> {
         let calls = self.calls().filter(|(asked, _)| *asked == query);
         calls.flat_map(|(_, rays)| rays).copied().collect()
+    }
+
+    /// The same in Embree's packets, filled as the rays were asked about.
+    pub fn packets(&self, query: Query) -> RawPackets {
+        let calls = self.calls().filter(|(asked, _)| *asked == query);
+        RawPackets::new(calls.map(|(_, rays)| rays))
     }
 
     fn add(&mut self, query: Query, rays: &[Ray]) {

@@ -9,6 +9,27 @@ _Static_assert(offsetof(struct RTCRay8, tnear) == 96 && offsetof(struct RTCRay8,
                "a packet begins like ShimPacket");
 _Static_assert(offsetof(struct ShimRay, direction) == 16, "ShimRay is two pieces of 16 bytes");
 
+/* What a call of Embree 3 needs beside its rays: made once, before a loop. Embree 4 needs nothing. */
+#if RTC_VERSION_MAJOR >= 4
+struct Context {
+    char unused;
+};
+#define CALL(function, context, rays, ...) function(__VA_ARGS__, rays, NULL)
+static inline void begin(struct Context *context)
+{
+    context->unused = 0;
+}
+#else
+struct Context {
+    struct RTCIntersectContext embree;
+};
+#define CALL(function, context, rays, ...) function(__VA_ARGS__, &(context)->embree, rays)
+static inline void begin(struct Context *context)
+{
+    rtcInitIntersectContext(&context->embree);
+}
+#endif
+
 /* A recorded ray in Embree's layout. */
 static inline void load_ray(struct RTCRay *to, const struct ShimRay *from)
 {
@@ -21,20 +42,14 @@ static inline void load_ray(struct RTCRay *to, const struct ShimRay *from)
 struct ShimTally shim_raw_closest(RTCScene scene, const struct ShimRay *rays, size_t count)
 {
     struct ShimTally tally = {0, 0.0};
-#if RTC_VERSION_MAJOR < 4
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-#endif
+    struct Context context;
+    begin(&context);
     for (size_t index = 0; index < count; index++) {
         struct RTCRayHit query;
         load_ray(&query.ray, &rays[index]);
         query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-        rtcIntersect1(scene, &query, NULL);
-#else
-        rtcIntersect1(scene, &context, &query);
-#endif
+        CALL(rtcIntersect1, &context, &query, scene);
         if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
             tally.hits++;
             tally.distances += query.ray.tfar;
@@ -46,18 +61,12 @@ struct ShimTally shim_raw_closest(RTCScene scene, const struct ShimRay *rays, si
 struct ShimTally shim_raw_occluded(RTCScene scene, const struct ShimRay *rays, size_t count)
 {
     struct ShimTally tally = {0, 0.0};
-#if RTC_VERSION_MAJOR < 4
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-#endif
+    struct Context context;
+    begin(&context);
     for (size_t index = 0; index < count; index++) {
         struct RTCRay ray;
         load_ray(&ray, &rays[index]);
-#if RTC_VERSION_MAJOR >= 4
-        rtcOccluded1(scene, &ray, NULL);
-#else
-        rtcOccluded1(scene, &context, &ray);
-#endif
+        CALL(rtcOccluded1, &context, &ray, scene);
         tally.hits += ray.tfar == -INFINITY;
     }
     return tally;
@@ -81,10 +90,8 @@ struct ShimTally shim_raw_closest_packets(RTCScene scene, const struct ShimPacke
                                           size_t count)
 {
     struct ShimTally tally = {0, 0.0};
-#if RTC_VERSION_MAJOR < 4
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-#endif
+    struct Context context;
+    begin(&context);
     struct RTCRayHit8 query;
     begin_packets(&query.ray);
     for (size_t index = 0; index < count; index++) {
@@ -92,11 +99,7 @@ struct ShimTally shim_raw_closest_packets(RTCScene scene, const struct ShimPacke
         load_packet(&query.ray, packet);
         memset(query.hit.geomID, 0xFF, sizeof query.hit.geomID);
         memset(query.hit.instID[0], 0xFF, sizeof query.hit.instID[0]);
-#if RTC_VERSION_MAJOR >= 4
-        rtcIntersect8(packet->valid, scene, &query, NULL);
-#else
-        rtcIntersect8(packet->valid, scene, &context, &query);
-#endif
+        CALL(rtcIntersect8, &context, &query, packet->valid, scene);
         for (int lane = 0; lane < 8; lane++) {
             if (query.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID) {
                 tally.hits++;
@@ -111,20 +114,14 @@ struct ShimTally shim_raw_occluded_packets(RTCScene scene, const struct ShimPack
                                            size_t count)
 {
     struct ShimTally tally = {0, 0.0};
-#if RTC_VERSION_MAJOR < 4
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-#endif
+    struct Context context;
+    begin(&context);
     struct RTCRay8 rays;
     begin_packets(&rays);
     for (size_t index = 0; index < count; index++) {
         const struct ShimPacket *packet = &packets[index];
         load_packet(&rays, packet);
-#if RTC_VERSION_MAJOR >= 4
-        rtcOccluded8(packet->valid, scene, &rays, NULL);
-#else
-        rtcOccluded8(packet->valid, scene, &context, &rays);
-#endif
+        CALL(rtcOccluded8, &context, &rays, packet->valid, scene);
         for (int lane = 0; lane < 8; lane++)
             tally.hits += rays.tfar[lane] == -INFINITY;
     }
