@@ -299,6 +299,26 @@ fn binary(text: &str, buffer: &[u8]) -> Vec<u8> {
     file
 }
 
+#[test]
+fn a_file_that_claims_to_be_shorter_than_its_header_is_refused() {
+    let mut bytes = binary(&file("{}", "", ONE_NODE), &buffer());
+    let folder = tempfile::tempdir().expect("a folder for the scene");
+    let path = folder.path().join("a.glb");
+    for length in [0, 11] {
+        bytes[8..12].copy_from_slice(&u32::to_le_bytes(length));
+        for end in [12, 13, bytes.len()] {
+            fs::write(&path, &bytes[..end]).expect("the file can be written");
+            let refused = import(&path, &options(Strictness::Lenient));
+            let message = refused
+                .map(|_| ())
+                .expect_err("it has no content")
+                .to_string();
+            let expected = format!("says that all of it has {length} bytes, expected 12 or more");
+            assert!(message.contains(&expected), "{message}");
+        }
+    }
+}
+
 /// Single bytes changed in thousands of ways, in text and numbers: nothing may panic.
 #[test]
 fn damaged_files_are_refused_or_read() {

@@ -77,6 +77,7 @@ pub(super) fn import(file: &Path, options: &ImportOptions) -> Result<Imported, I
 /// Parses a file and checks what its parser takes for granted.
 fn parsed(bytes: &[u8]) -> Result<Gltf, String> {
     let unsound = |error: gltf::Error| format!("not a sound glTF file: {error}");
+    length_covers_its_header(bytes)?;
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(unsound)?;
     let json = document.into_json();
     version_is_read(&json.asset)?;
@@ -102,6 +103,23 @@ fn parsed(bytes: &[u8]) -> Result<Gltf, String> {
     }
     let document = gltf::Document::from_json(json).map_err(unsound)?;
     Ok(Gltf { document, blob })
+}
+
+/// Refuses binary files that claim to be shorter than the header that says so, which gltf 1.4 takes from
+/// their length unasked.
+fn length_covers_its_header(bytes: &[u8]) -> Result<(), String> {
+    const HEADER: u32 = 12;
+    let (Some(b"glTF"), Some(length)) = (bytes.first_chunk(), bytes.get(8..12)) else {
+        return Ok(());
+    };
+    let length = u32::from_le_bytes([length[0], length[1], length[2], length[3]]);
+    if length < HEADER {
+        return Err(format!(
+            "not a sound glTF file: its header says that all of it has {length} bytes, expected \
+             {HEADER} or more"
+        ));
+    }
+    Ok(())
 }
 
 /// Refuses versions of the format other than 2.
