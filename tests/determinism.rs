@@ -4,14 +4,13 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use lumiflow::film::{Filter, FilterKind, Window};
 use lumiflow::integrator::{Aov, Counters, Estimate, PixelIntegrator, PixelSettings, Rendered};
-use lumiflow::math::{Mat4, Rgb, Vec2};
-use lumiflow::random::{PixelAddress, Purpose, Sampler, SamplerKind};
+use lumiflow::math::{Mat4, Rgb};
+use lumiflow::random::{Sampler, SamplerKind};
 use lumiflow::scene::Scene;
-use lumiflow::sensor::{CameraRay, Sensor, SensorModel};
+use lumiflow::sensor::CameraRay;
 
-use crate::support::hard_scenes;
 use crate::support::render::{integrator, pixel_integrator, run, settings};
-use crate::support::scenes::{cornell, cornell_camera, studio, studio_camera};
+use crate::support::scenes::{cornell, cornell_camera};
 
 /// Width and height of the film; not a multiple of the block size.
 const SIDE: u32 = 37;
@@ -309,67 +308,5 @@ fn more_passes_continue_the_same_chains() {
             changed += u32::from(three != two && two != one);
         }
         assert!(changed > SIDE * SIDE, "{text} {changed}");
-    }
-}
-
-/// Camera rays all over the film, with their numbers.
-fn camera_samples(sensor: &Sensor, kind: SamplerKind) -> Vec<(CameraRay, Sampler)> {
-    let sample = |pixel| {
-        let address = PixelAddress {
-            seed: 5,
-            purpose: Purpose::Check,
-            pixel,
-            sample: 0,
-        };
-        let mut sampler = Sampler::new(kind, address);
-        let corner = Vec2::new((pixel % SIDE) as f32, (pixel / SIDE) as f32);
-        let raster = corner + sampler.next_2d();
-        (sensor.sample_ray(raster, sampler.next_2d()), sampler)
-    };
-    (0..SIDE * SIDE).map(sample).collect()
-}
-
-#[test]
-fn paths_together_are_the_paths_alone_to_the_bit() {
-    let glass = hard_scenes::glass_caustic(SIDE, 1.0);
-    let lights = hard_scenes::many_lights(SIDE);
-    let bumps = hard_scenes::bumpy_mirror(SIDE);
-    let views = [
-        (
-            cornell(Mat4::IDENTITY),
-            cornell_camera(Mat4::IDENTITY, SIDE),
-        ),
-        (studio(1.0, |_| ()), studio_camera(SIDE)),
-        (glass.scene, glass.sensor),
-        (lights.scene, lights.sensor),
-        (bumps.scene, bumps.sensor),
-    ];
-    let options = [
-        "path",
-        "path max_depth=0",
-        "path max_depth=1",
-        "path max_depth=4 rr_depth=2 mis=balance",
-        "path hide_emitters=true strict_normals=true",
-    ];
-    let bits = |estimate: &Estimate| {
-        let [r, g, b] = estimate.radiance.to_array().map(f32::to_bits);
-        [r, g, b, estimate.alpha.to_bits()]
-    };
-    for (options, (scene, sensor)) in options
-        .iter()
-        .flat_map(|o| views.iter().map(move |v| (o, v)))
-    {
-        let integrator = pixel_integrator(options);
-        let samples = camera_samples(sensor, SamplerKind::Stratified);
-        let (mut of_all, mut of_each) = (Counters::default(), Counters::default());
-        let together =
-            integrator.estimate_all(scene, &mut samples.clone().into_iter(), &mut of_all);
-        assert_eq!(together.len(), samples.len());
-        for (estimate, (ray, mut sampler)) in together.iter().zip(samples) {
-            let alone = integrator.estimate(scene, &ray, &mut sampler, &mut of_each);
-            assert_eq!(bits(estimate), bits(&alone), "{options}, {ray:?}");
-        }
-        assert_eq!(of_all, of_each, "{options}");
-        assert_eq!(of_all.rays == 0, options.ends_with("max_depth=0"));
     }
 }

@@ -41,5 +41,6 @@ mod scattering;
 mod sources;
 mod support;
 mod textures;
+mod together;
 mod transitions;
 mod turned_normals;

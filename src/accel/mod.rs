@@ -17,7 +17,7 @@ pub use embree::versions;
 pub use embree4_sys::{CurveBasis, CurveBuffer, Hit, IndexBuffer, MemoryUse, Tally, VertexBuffer};
 pub use obvhs::VERSION as OBVHS_VERSION;
 pub use raw::{RawPackets, RawRays};
-pub use ray::Ray;
+pub use ray::{Ray, RayLanes};
 pub use recorder::{Query, Recording};
 
 use crate::math::Vec3;

@@ -1,6 +1,7 @@
 //! Rays.
 
 use crate::math::Vec3;
+use crate::math::lanes::{LANES, Lanes, Mask, Vec3Lanes, each};
 
 /// A half line, or a piece of a line.
 ///
@@ -71,5 +72,39 @@ impl Ray {
     #[inline]
     pub fn at(&self, distance: f32) -> Vec3 {
         self.origin + self.direction * distance
+    }
+}
+
+/// A ray in each lane, which counts hits from its origin on.
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes {
+    /// Where distances are counted from, in world space.
+    pub origin: Vec3Lanes,
+    /// Directions; distances count in multiples of their lengths.
+    pub direction: Vec3Lanes,
+    /// Hits farther than this do not count.
+    pub far: Lanes,
+}
+
+impl RayLanes {
+    /// Those of one where the mask is set, else those of the other.
+    #[inline(always)]
+    pub fn select(mask: Mask, then: Self, otherwise: Self) -> Self {
+        Self {
+            origin: Vec3Lanes::select(mask, then.origin, otherwise.origin),
+            direction: Vec3Lanes::select(mask, then.direction, otherwise.direction),
+            far: Lanes::select(mask, then.far, otherwise.far),
+        }
+    }
+
+    /// The rays of all lanes.
+    #[inline(always)]
+    pub fn rays(self) -> [Ray; LANES] {
+        let starts = self.origin.rows(Lanes::ZERO);
+        let ways = self.direction.rows(self.far);
+        each(|lane| {
+            let (start, way) = (starts[lane], ways[lane]);
+            Ray::new(start.truncate(), way.truncate()).between(start.w, way.w)
+        })
     }
 }

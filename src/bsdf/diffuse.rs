@@ -24,6 +24,15 @@ impl Diffuse {
             reflectance: reflectance.into(),
         }
     }
+
+    /// The reflectance at surface coordinates, which are only worked out where the texture asks for them.
+    #[inline(always)]
+    pub fn reflectance_at(&self, uv: impl FnOnce() -> Vec2) -> Rgb {
+        match self.reflectance.sole_colour() {
+            Some(colour) => colour,
+            None => self.reflectance.colour(uv()),
+        }
+    }
 }
 
 impl BsdfModel for Diffuse {

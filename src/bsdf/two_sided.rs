@@ -45,6 +45,12 @@ impl TwoSided {
         Self::new(make(*self.front)?, back)
     }
 
+    /// The material of both sides, where they have one.
+    #[inline]
+    pub(super) fn sole(&self) -> Option<&Bsdf> {
+        self.back.is_none().then_some(&*self.front)
+    }
+
     /// The material behind the front's, or the front's for both.
     #[inline]
     fn behind(&self) -> &Bsdf {

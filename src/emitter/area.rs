@@ -21,6 +21,15 @@ pub struct Area {
     intensity: f32,
 }
 
+/// A mesh that emits one radiance from all of its front.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaLight<'s> {
+    /// The mesh.
+    pub mesh: &'s TriangleMesh,
+    /// Emitted radiance in W·m⁻²·sr⁻¹.
+    pub radiance: Rgb,
+}
+
 impl Area {
     /// Makes the light.
     ///
@@ -37,6 +46,18 @@ impl Area {
             spread,
             intensity,
         }
+    }
+
+    /// The light as a mesh of one radiance, if it is that.
+    #[inline]
+    pub fn as_mesh(&self) -> Option<AreaLight<'_>> {
+        let Shape::TriangleMesh(mesh) = &*self.shape else {
+            return None;
+        };
+        Some(AreaLight {
+            mesh,
+            radiance: self.radiance.sole_colour()?,
+        })
     }
 
     /// The shape that glows.

@@ -21,7 +21,7 @@ mod sun_sky;
 #[cfg(test)]
 mod tests;
 
-pub use area::Area;
+pub use area::{Area, AreaLight};
 pub use collimated::Collimated;
 pub use constant::Constant;
 pub use directional::Directional;

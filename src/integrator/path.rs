@@ -6,6 +6,7 @@ use super::wave::Wave;
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, Transport};
 use crate::emitter::EmitterModel;
+use crate::math::lanes::Lanes;
 use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::path::Heuristic;
 use crate::random::Sampler;
@@ -32,24 +33,39 @@ pub struct PathTracer {
 
 /// How the last direction was made, for weighing the emitter that it meets.
 #[derive(Clone, Copy)]
-struct Departure {
+pub(super) struct Departure {
     /// Where the ray left from.
-    position: Vec3,
+    pub(super) position: Vec3,
     /// Density of its direction in 1/sr; `None` for the camera and Dirac lobes, whose directions no
     /// other technique makes.
-    density: Option<f32>,
+    pub(super) density: Option<f32>,
 }
 
 /// A path under way: what it has collected, and what it carries along.
 pub(super) struct Walk {
     /// What it has collected.
     pub(super) estimate: Estimate,
-    throughput: Rgb,
+    pub(super) throughput: Rgb,
     /// Product of [`BsdfSample::eta`] over the events so far: refraction has made radiance grow by
     /// its square.
     eta: f32,
-    departure: Departure,
-    sampler: Sampler,
+    pub(super) departure: Departure,
+    pub(super) sampler: Sampler,
+}
+
+impl Walk {
+    /// The throughput, and [`Walk::eta`] last.
+    #[inline(always)]
+    pub(super) fn state(&self) -> Lanes {
+        self.throughput.0.extend(self.eta)
+    }
+
+    /// Undoes [`Walk::state`].
+    #[inline(always)]
+    pub(super) fn set_state(&mut self, state: Lanes) {
+        self.throughput = Rgb(state.truncate());
+        self.eta = state.w;
+    }
 }
 
 /// Light that arrives if a ray is free.
@@ -123,7 +139,8 @@ impl PathTracer {
     }
 
     /// Russian roulette: ends weak paths, and strengthens those that go on; false ends the path.
-    fn survives(&self, depth: u32, walk: &mut Walk) -> bool {
+    #[inline]
+    pub(super) fn survives(&self, depth: u32, walk: &mut Walk) -> bool {
         if depth < self.rr_depth {
             return true;
         }
@@ -155,6 +172,19 @@ impl PathTracer {
             },
             sampler,
         }
+    }
+
+    /// Whether vertices at the ends of so many edges do no more than [`PathTracer::connect`] and
+    /// [`PathTracer::depart`] where they do not glow, whatever their true normals are.
+    #[inline]
+    pub(super) fn connects_and_departs(&self, depth: u32) -> bool {
+        !self.strict_normals && depth < self.max_depth
+    }
+
+    /// How the directions of emitters and of materials are weighed.
+    #[inline]
+    pub(super) fn heuristic(&self) -> Heuristic {
+        self.heuristic
     }
 
     /// Whether paths may have so many edges.
@@ -310,18 +340,18 @@ impl PixelIntegrator for PathTracer {
 }
 
 /// A sampled direction to an emitter, as far as paths need it.
-struct Aim {
-    direction: Vec3,
+pub(super) struct Aim {
+    pub(super) direction: Vec3,
     /// Where the shadow ray must reach to; `None` for infinity.
-    target: Option<Vec3>,
-    radiance: Rgb,
-    density: f32,
-    is_dirac: bool,
+    pub(super) target: Option<Vec3>,
+    pub(super) radiance: Rgb,
+    pub(super) density: f32,
+    pub(super) is_dirac: bool,
 }
 
 /// Samples a direction to an emitter.
 #[inline(always)]
-fn aim(scene: &Scene, from: Vec3, u: Vec2) -> Option<Aim> {
+pub(super) fn aim(scene: &Scene, from: Vec3, u: Vec2) -> Option<Aim> {
     let mut aim = None;
     scene.lights().sample_toward_then(from, u, |chosen| {
         aim = Some(Aim {

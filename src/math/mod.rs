@@ -8,6 +8,7 @@ mod cie;
 pub mod distribution;
 pub mod error_function;
 mod frame;
+pub mod lanes;
 mod measure;
 mod rgb;
 mod spectrum;

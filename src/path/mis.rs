@@ -1,5 +1,7 @@
 //! Multiple importance sampling.
 
+use crate::math::lanes::Lanes;
+
 /// How the weights of two techniques follow from their densities.
 ///
 /// Every heuristic's weights sum to one wherever some technique has a positive density.
@@ -46,6 +48,22 @@ impl Heuristic {
         }
     }
 
+    /// [`Heuristic::first_weight`] in each lane.
+    #[inline(always)]
+    pub fn first_weights(self, first: Lanes, second: Lanes) -> Lanes {
+        match self {
+            Self::Balance => first / (first + second),
+            Self::Power => {
+                let ratio = second / first;
+                Lanes::ONE / (Lanes::ONE + ratio * ratio)
+            }
+            Self::Maximum => {
+                let is_first = (first * TIE).cmpge(second);
+                Lanes::select(is_first, Lanes::ONE, Lanes::ZERO)
+            }
+        }
+    }
+
     /// Weight of the second of two techniques, as in [`Heuristic::first_weight`].
     #[inline]
     pub fn second_weight(self, first: f32, second: f32) -> f32 {
@@ -74,7 +92,10 @@ mod tests {
                 (2.0, 0.0),
                 (1e30, 1e-30),
             ] {
-                let sum = heuristic.first_weight(a, b) + heuristic.second_weight(a, b);
+                let first = heuristic.first_weight(a, b);
+                let lanes = heuristic.first_weights(Lanes::splat(a), Lanes::splat(b));
+                assert_eq!(lanes, Lanes::splat(first), "{name} at {a}, {b}");
+                let sum = first + heuristic.second_weight(a, b);
                 assert!((sum - 1.0).abs() < 1e-6, "{name} at {a}, {b}: {sum}");
             }
         }

@@ -2,6 +2,7 @@
 
 use super::philox::{Purpose, Stream};
 use crate::math::Vec2;
+use crate::math::lanes::Lanes;
 
 /// How the samples of a pixel are spread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,6 +173,21 @@ impl Sampler {
         self.spread_2d()
     }
 
+    /// The next two pairs of numbers, one after the other.
+    #[inline]
+    pub fn next_pairs(&mut self) -> Lanes {
+        if self.kind == SamplerKind::Independent || self.dimension >= Self::SPREAD_DIMENSIONS {
+            return self.stream.next_vec4();
+        }
+        self.spread_pairs()
+    }
+
+    #[inline(never)]
+    fn spread_pairs(&mut self) -> Lanes {
+        let (first, second) = (self.next_2d(), self.next_2d());
+        Lanes::new(first.x, first.y, second.x, second.y)
+    }
+
     fn spread_1d(&mut self) -> f32 {
         let dimension = self.dimension;
         self.dimension += 1;
@@ -287,6 +303,23 @@ mod tests {
                 seen |= 1 << permuted(index, 0x1234_5678 ^ (dimension * 77), dimension);
             }
             assert_eq!(seen, 0xFFFF);
+        }
+    }
+
+    #[test]
+    fn two_pairs_are_the_next_two() {
+        for kind in KINDS {
+            for skip in 0..7 {
+                let mut together = sampler(kind, 3, 5);
+                (0..skip).for_each(|_| _ = together.next_1d());
+                let mut alone = together.clone();
+                // Past the numbers that are spread.
+                for _ in 0..Sampler::SPREAD_DIMENSIONS {
+                    let (first, second) = (alone.next_2d(), alone.next_2d());
+                    let pairs = together.next_pairs().to_array();
+                    assert_eq!(pairs, [first.x, first.y, second.x, second.y]);
+                }
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::EmitterId;
 use crate::emitter::{
-    EmissionDensity, EmittedRay, Emitter, EmitterClass, EmitterModel, EmitterSample,
+    AreaLight, EmissionDensity, EmittedRay, Emitter, EmitterClass, EmitterModel, EmitterSample,
 };
 use crate::math::distribution::{Choice, Discrete};
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3, warp};
@@ -80,6 +80,15 @@ impl Lights {
     /// Whether there is light that only what is traced from the emitters on shows: beams without width.
     pub fn has_beams(&self) -> bool {
         self.emitters.iter().any(|e| !e.class().is_connectable())
+    }
+
+    /// The only emitter, where that is a mesh of one radiance.
+    #[inline]
+    pub fn sole_area_light(&self) -> Option<AreaLight<'_>> {
+        match self.emitters.as_slice() {
+            [Emitter::Area(area)] => area.as_mesh(),
+            _ => None,
+        }
     }
 
     /// An emitter.

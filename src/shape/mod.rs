@@ -25,7 +25,7 @@ pub use disk::Disk;
 pub use placement::Placement;
 pub use sphere::Sphere;
 pub use surface::{Derivatives, SurfacePoint};
-pub use triangle_mesh::TriangleMesh;
+pub use triangle_mesh::{SurfaceLanes, Triangle, TriangleMesh};
 
 use thiserror::Error;
 

@@ -69,6 +69,15 @@ macro_rules! texture_models {
         })*
 
         impl Texture {
+            /// The colour of a texture that is constant.
+            #[inline]
+            pub fn sole_colour(&self) -> Option<Rgb> {
+                match self {
+                    Self::Constant(texture) => Some(texture.colour(Vec2::ZERO)),
+                    _ => None,
+                }
+            }
+
             #[inline(never)]
             fn varying_colour(&self, uv: Vec2) -> Rgb {
                 match self { $(Self::$model(t) => t.colour(uv),)* }

@@ -1,6 +1,11 @@
 //! Triangles that share vertices.
 
-use glam::{Vec3A, Vec4};
+mod facet;
+mod lanes;
+
+pub use lanes::{SurfaceLanes, Triangle};
+
+use facet::{Facet, unit_or};
 
 use super::mesh::MeshData;
 use super::{Derivatives, ShapeHit, ShapeMemory, ShapeModel, SurfacePoint};
@@ -111,6 +116,15 @@ impl TriangleMesh {
         })
     }
 
+    /// Chooses a triangle by area; returns what is left of the numbers, too.
+    #[inline(always)]
+    fn choose_triangle(&self, u: Vec2) -> (u32, Vec2) {
+        match self.by_area.as_ref().map(|by_area| by_area.sample(u.x)) {
+            Some(choice) => (choice.index as u32, Vec2::new(choice.remainder, u.y)),
+            None => (0, u),
+        }
+    }
+
     #[inline]
     fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
         let vertices = self.vertices.as_slice();
@@ -137,7 +151,7 @@ impl TriangleMesh {
     #[inline(always)]
     fn point_of(&self, facet: &Facet, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
         let (b1, b2) = (barycentrics.x, barycentrics.y);
-        let mut geometric_normal = Vec3::from(facet.normal);
+        let mut geometric_normal = facet.normal.truncate();
         let mut shading_normal = geometric_normal;
         if let Some(normals) = &self.normals {
             let triangle = self.triangles.as_slice()[primitive as usize];
@@ -149,15 +163,6 @@ impl TriangleMesh {
                 geometric_normal = -geometric_normal;
             }
         }
-        let uv = match &self.uvs {
-            _ if self.chart.is_some() => self.place(primitive, barycentrics),
-            Some(uvs) => {
-                let triangle = self.triangles.as_slice()[primitive as usize];
-                let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
-                ua * (1.0 - b1 - b2) + ub * b1 + uc * b2
-            }
-            None => barycentrics,
-        };
         let derivatives = if self.derivatives {
             let [by_u, by_v] = self.derivatives(facet, primitive);
             Derivatives::new(shading_normal, by_u, by_v)
@@ -169,8 +174,23 @@ impl TriangleMesh {
             geometric_normal,
             shading_normal,
             derivatives,
-            uv,
+            uv: self.uv_at(primitive, barycentrics),
             error: facet.error(),
+        }
+    }
+
+    /// Surface coordinates at the barycentrics of a triangle's second and third vertex.
+    #[inline(always)]
+    pub fn uv_at(&self, primitive: u32, barycentrics: Vec2) -> Vec2 {
+        match &self.uvs {
+            _ if self.chart.is_some() => self.place(primitive, barycentrics),
+            Some(uvs) => {
+                let (b1, b2) = (barycentrics.x, barycentrics.y);
+                let triangle = self.triangles.as_slice()[primitive as usize];
+                let [ua, ub, uc] = triangle.map(|i| uvs[i as usize]);
+                ua * (1.0 - b1 - b2) + ub * b1 + uc * b2
+            }
+            None => barycentrics,
         }
     }
 
@@ -208,74 +228,6 @@ impl TriangleMesh {
             return [Vec3::ZERO; 2];
         }
         [to_b * dv.y - to_c * du.y, to_c * du.x - to_b * dv.x].map(|d| d / determinant)
-    }
-}
-
-/// What all points of a triangle share, in one line of the cache.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-struct Facet {
-    /// The first corner; and the bound on the error of a position, in metres.
-    corner_and_error: Vec4,
-    /// The edge from that corner to the second one; and a limit: points with a smaller barycentric
-    /// are too near to an edge, rounding can have put them beyond it, and so behind the wall that
-    /// stands there.
-    to_b_and_least: Vec4,
-    /// The edge from the first corner to the third one.
-    to_c: Vec3A,
-    /// Unit normal.
-    normal: Vec3A,
-}
-
-const _: () = assert!(
-    size_of::<Facet>() == 64,
-    "hits on large meshes wait for memory"
-);
-
-impl Facet {
-    fn new(corners: [Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(Vec3A::from);
-        let (to_b, to_c) = (b - a, c - a);
-        let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let error = SurfacePoint::error_bound(extent);
-        let across = to_b.cross(to_c);
-        // Distances from edges are barycentrics times heights, and heights are at least the cross
-        // product's length over the longest edge.
-        let needed = 2.0 * error * to_b.abs().max(to_c.abs()).element_sum();
-        let length = across.length();
-        let least = if needed > 0.0 { needed / length } else { 0.0 };
-        Self {
-            corner_and_error: a.extend(error),
-            to_b_and_least: to_b.extend(least),
-            to_c,
-            normal: unit_or(across.into(), Vec3::Z).into(),
-        }
-    }
-
-    #[inline(always)]
-    fn error(&self) -> f32 {
-        self.corner_and_error.w
-    }
-
-    /// The edges from the first corner to the others.
-    #[inline(always)]
-    fn edges(&self) -> [Vec3A; 2] {
-        [Vec3A::from_vec4(self.to_b_and_least), self.to_c]
-    }
-
-    /// The point at the barycentrics of the second and third corner, kept off the edges.
-    #[inline(always)]
-    fn position(&self, b1: f32, b2: f32) -> Vec3 {
-        let corner = Vec3A::from_vec4(self.corner_and_error);
-        let [to_b, to_c] = self.edges();
-        let mut position = corner + to_b * b1 + to_c * b2;
-        let least = self.to_b_and_least.w;
-        if b1.min(b2).min(1.0 - b1 - b2) < least {
-            // All of the middle's barycentrics are a third.
-            let middle = corner + (to_b + to_c) * (1.0 / 3.0);
-            position += (middle - position) * (3.0 * least).min(1.0);
-        }
-        position.into()
     }
 }
 
@@ -329,11 +281,7 @@ impl ShapeModel for TriangleMesh {
 
     #[inline(always)]
     fn sample_area(&self, u: Vec2) -> (SurfacePoint, AreaDensity) {
-        let choice = self.by_area.as_ref().map(|by_area| by_area.sample(u.x));
-        let (primitive, u) = match choice {
-            Some(choice) => (choice.index as u32, Vec2::new(choice.remainder, u.y)),
-            None => (0, u),
-        };
+        let (primitive, u) = self.choose_triangle(u);
         let point = self.point(primitive, warp::uniform_triangle(u));
         (point, self.density)
     }
@@ -355,17 +303,6 @@ impl ShapeModel for TriangleMesh {
         let (_, primitive, barycentrics) = nearest?;
         let u = warp::into_unit_square(warp::uniform_triangle_inverse(barycentrics));
         Some(Vec2::new(by_area.invert(primitive as usize, u.x)?, u.y))
-    }
-}
-
-/// A vector scaled to unit length; `fallback` where it has none.
-#[inline]
-fn unit_or(vector: Vec3, fallback: Vec3) -> Vec3 {
-    let length_squared = vector.length_squared();
-    if length_squared > 0.0 {
-        vector * (1.0 / length_squared.sqrt())
-    } else {
-        fallback
     }
 }
 
