@@ -9,7 +9,9 @@ use crate::math::{AreaDensity, Vec2, Vec3};
 #[derive(Clone, Debug)]
 pub struct Triangle {
     facet: Facet,
-    /// Normals of the corners; zero where the mesh has none.
+    /// Whether the mesh has normals.
+    is_smooth: bool,
+    /// Those of the corners, else zero.
     normals: [Vec3; 3],
 }
 
@@ -44,6 +46,7 @@ impl TriangleMesh {
         });
         Triangle {
             facet: facet.map_or_else(|| self.unprepared_facet(primitive), Facet::clone),
+            is_smooth: self.normals.is_some(),
             normals,
         }
     }
@@ -87,13 +90,17 @@ impl SurfaceLanes {
             position = Vec3Lanes::select(is_near_edge, moved, position);
         }
 
-        let normals = |corner: usize| Vec3Lanes::gather(|lane| triangles[lane].normals[corner]);
-        let interpolated = normals(0) * b0 + normals(1) * b1 + normals(2) * b2;
-        let shading_normal = unit_or(interpolated, normal);
-        let is_turned = shading_normal.dot(normal).cmplt(Lanes::ZERO);
+        let (mut shading_normal, mut geometric_normal) = (normal, normal);
+        if triangles.iter().any(|triangle| triangle.is_smooth) {
+            let of_corner = |i: usize| Vec3Lanes::gather(|lane| triangles[lane].normals[i]);
+            let interpolated = of_corner(0) * b0 + of_corner(1) * b1 + of_corner(2) * b2;
+            shading_normal = unit_or(interpolated, normal);
+            let is_turned = shading_normal.dot(normal).cmplt(Lanes::ZERO);
+            geometric_normal = Vec3Lanes::select(is_turned, -normal, normal);
+        }
         Self {
             position,
-            geometric_normal: Vec3Lanes::select(is_turned, -normal, normal),
+            geometric_normal,
             shading_normal,
             error,
         }
@@ -166,13 +173,11 @@ mod tests {
         }
     }
 
-    /// A cube, one without normals, one whose normals point in, one with slanted normals, each with and
-    /// without prepared points.
+    /// A flat cube, one whose normals point in, one with slanted normals, each with and without prepared
+    /// points.
     fn meshes() -> Vec<TriangleMesh> {
         let mut placed = primitives::cube();
         placed.transform(Mat4::from_rotation_x(0.7) * Mat4::from_scale(Vec3::new(3.0, 0.1, 7.0)));
-        let mut bare = placed.clone();
-        bare.remove_normals();
         let mut inside_out = placed.clone();
         for normal in inside_out.normals.iter_mut().flatten() {
             *normal = normal.map(|c| -c);
@@ -187,7 +192,7 @@ mod tests {
             mesh.prepare_sampling();
             mesh
         };
-        [placed, bare, inside_out, slanted]
+        [placed, inside_out, slanted]
             .iter()
             .flat_map(|data| [prepared(data, 0), prepared(data, 100)])
             .collect()

@@ -17,6 +17,9 @@ use crate::math::{AreaDensity, TriangleChart, Vec2, Vec3, warp};
 /// triangle, about as much as the tracer itself takes. Larger ones work it out anew for each point.
 const PREPARED: usize = 1 << 16;
 
+/// Normals that differ by less from a triangle's own are that, but for rounding.
+const FLAT: f32 = 1e-6;
+
 /// A triangle mesh whose vertex and index buffers the tracer shares.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
@@ -40,7 +43,8 @@ pub struct TriangleMesh {
 impl TriangleMesh {
     /// Makes a mesh.
     ///
-    /// - `normals`, `uvs`: one a vertex, where the mesh has them; normals of any length.
+    /// - `normals`, `uvs`: one a vertex, where the mesh has them; normals of any length. Those of flat
+    ///   meshes are not kept.
     ///
     /// Indices must lie within `vertices` (the reader has checked them).
     pub fn new(
@@ -53,7 +57,7 @@ impl TriangleMesh {
             vertices,
             triangles,
             facets: Vec::new(),
-            normals,
+            normals: None,
             uvs,
             by_area: None,
             area: 0.0,
@@ -61,9 +65,22 @@ impl TriangleMesh {
             derivatives: false,
             chart: None,
         };
+        mesh.normals = normals.filter(|normals| !mesh.is_flat(normals));
         mesh.area = mesh.triangle_areas().sum();
         mesh.density = AreaDensity((1.0 / mesh.area) as f32);
         mesh
+    }
+
+    /// Whether normals are those of the triangles, so that there is nothing to interpolate: a rectangle, a
+    /// cube, a wall.
+    fn is_flat(&self, normals: &[Vec3]) -> bool {
+        self.triangles.as_slice().iter().all(|triangle| {
+            let normal = Facet::new(self.corners(*triangle)).normal.truncate();
+            triangle.iter().all(|i| {
+                let difference = unit_or(normals[*i as usize], Vec3::ZERO) - normal;
+                difference.length_squared() <= FLAT * FLAT
+            })
+        })
     }
 
     /// Keeps what the points of each triangle share, for speed; the points stay the same.
