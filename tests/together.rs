@@ -1,12 +1,13 @@
 //! Paths that go on together make the bits that they make alone, whatever they meet.
 
 use lumiflow::bsdf::{Diffuse, TwoSided};
-use lumiflow::emitter::{Constant, Directional, Point};
+use lumiflow::emitter::{Constant, Directional, Emitter, EmitterModel, Point};
 use lumiflow::integrator::{Counters, Estimate};
 use lumiflow::math::{Mat3, Mat4, Rgb, Vec2, Vec3};
 use lumiflow::random::{PixelAddress, Purpose, Sampler, SamplerKind};
 use lumiflow::scene::{Scene, SceneBuilder};
 use lumiflow::sensor::{CameraRay, Sensor, SensorModel};
+use lumiflow::shape::TriangleMesh;
 use lumiflow::texture::{Checkerboard, Texture};
 
 use crate::support::hard_scenes;
@@ -39,7 +40,9 @@ fn camera_samples(sensor: &Sensor, kind: SamplerKind) -> Vec<(CameraRay, Sampler
 /// Traces the same paths together and alone.
 fn assert_same(views: &[(Scene, Sensor)], options: &[&str], kind: SamplerKind) {
     let bits = |estimate: &Estimate| {
-        let [r, g, b] = estimate.radiance.to_array().map(f32::to_bits);
+        // One broken number is as broken as another.
+        let whole = |x: f32| if x.is_nan() { f32::NAN } else { x };
+        let [r, g, b] = estimate.radiance.to_array().map(|x| whole(x).to_bits());
         [r, g, b, estimate.alpha.to_bits()]
     };
     for (options, (scene, sensor)) in options
@@ -122,7 +125,27 @@ fn diffuse_room(
     scene(parts.into_iter().chain(more), lights)
 }
 
-/// Every kind of light, alone and with others.
+/// A small square in the room.
+fn patch(x: f32) -> TriangleMesh {
+    rectangle(Vec3::new(x, -0.2, 0.0), Vec3::X * 0.2, Vec3::Y * 0.2)
+}
+
+/// A surface that reflects more than there is.
+fn endless_surface() -> Part {
+    part(patch(0.0), Diffuse::new(Rgb::grey(f32::INFINITY)))
+}
+
+/// Surfaces that are diffuse and yet are shaded one by one: one that knows how its coordinates run, one with
+/// another material behind.
+fn neighbours() -> [Part; 2] {
+    let mut following = patch(-0.4);
+    following.follow_coordinates();
+    let back = Diffuse::new(0.9).into();
+    let of_two = TwoSided::new(Diffuse::new(0.1), Some(back)).expect("both are opaque");
+    [part(following, Diffuse::new(0.8)), part(patch(0.4), of_two)]
+}
+
+/// Lights that are surfaces, alone and with others, and lights that are none.
 fn diffuse_rooms() -> Vec<Scene> {
     let panel = || rectangle(Vec3::new(0.0, 0.9, 0.0), Vec3::X * 0.3, Vec3::Z * 0.3);
     let lamp = || part(panel(), Diffuse::new(0.2)).glowing(Rgb::new(12.0, 10.0, 6.0));
@@ -160,6 +183,10 @@ fn diffuse_rooms() -> Vec<Scene> {
             bulb(builder);
             sun(builder);
         }),
+        // Light that knows no bounds, where there is any, and where there is none.
+        diffuse_room([endless_surface(), lamp()], |_| ()),
+        diffuse_room([endless_surface()], |_| ()),
+        diffuse_room(neighbours().into_iter().chain([lamp()]), |_| ()),
         // On an instance, too.
         diffuse_room([lamp()], |builder| {
             let bsdf = builder.add_bsdf(Diffuse::new(0.4));
@@ -170,6 +197,20 @@ fn diffuse_rooms() -> Vec<Scene> {
             added.expect("the place is one");
         }),
     ]
+}
+
+#[test]
+fn diffuse_vertices_see_every_kind_of_light_as_they_do_alone() {
+    let lights = Emitter::examples();
+    assert!(lights.len() > 8);
+    let views: Vec<_> = lights
+        .into_iter()
+        .map(|light| {
+            let room = diffuse_room([], |builder| _ = builder.add_emitter(light));
+            (room, cornell_camera(Mat4::IDENTITY, SIDE))
+        })
+        .collect();
+    assert_same(&views, &["path max_depth=4"], SamplerKind::Stratified);
 }
 
 #[test]
@@ -186,5 +227,5 @@ fn diffuse_vertices_together_are_those_alone_to_the_bit() {
         "path strict_normals=true",
     ];
     assert_same(&views, &options, SamplerKind::Independent);
-    assert_same(&views[8..9], &options[..1], SamplerKind::Sobol);
+    assert_same(&views, &options[..1], SamplerKind::Sobol);
 }

@@ -1,7 +1,7 @@
 //! Rays.
 
 use crate::math::Vec3;
-use crate::math::lanes::{LANES, Lanes, Mask, Vec3Lanes, each};
+use crate::math::lanes::{LANES, LaneMask, Lanes, Vec3Lanes, each};
 
 /// A half line, or a piece of a line.
 ///
@@ -89,7 +89,7 @@ pub struct RayLanes {
 impl RayLanes {
     /// Those of one where the mask is set, else those of the other.
     #[inline(always)]
-    pub fn select(mask: Mask, then: Self, otherwise: Self) -> Self {
+    pub fn select(mask: LaneMask, then: Self, otherwise: Self) -> Self {
         Self {
             origin: Vec3Lanes::select(mask, then.origin, otherwise.origin),
             direction: Vec3Lanes::select(mask, then.direction, otherwise.direction),

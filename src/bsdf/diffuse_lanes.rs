@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::{Bsdf, Diffuse};
-use crate::math::lanes::{self, Lanes, Mask, Vec3Lanes};
+use crate::math::lanes::{self, LaneMask, Lanes, Vec3Lanes};
 
 /// [`Diffuse`] in each lane, on one or on both sides, as seen from directions.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub struct DiffuseLanes {
     /// Shares of light reflected.
     reflectance: Vec3Lanes,
     /// Lanes that see a side that reflects.
-    is_lit: Mask,
+    is_lit: LaneMask,
     /// Factors on the normal's part of a direction, as in [`TwoSided`](super::TwoSided).
     turn: Lanes,
 }
@@ -36,12 +36,12 @@ impl DiffuseLanes {
     ///
     /// - `cos_in`: cosines of the angles between the known directions and the shading normals.
     #[inline(always)]
-    pub fn new(reflectance: Vec3Lanes, is_two_sided: Mask, cos_in: Lanes) -> Self {
+    pub fn new(reflectance: Vec3Lanes, is_two_sided: LaneMask, cos_in: Lanes) -> Self {
         let is_behind = is_two_sided & !cos_in.cmpgt(Lanes::ZERO);
         let turn = Lanes::select(is_behind, Lanes::NEG_ONE, Lanes::ONE);
         Self {
             reflectance,
-            is_lit: (cos_in * turn).cmpgt(Lanes::ZERO),
+            is_lit: !(cos_in * turn).cmple(Lanes::ZERO),
             turn,
         }
     }
@@ -56,10 +56,10 @@ impl DiffuseLanes {
     ///
     /// - `cos_out`: cosines of the angles between the directions asked about and the normals.
     #[inline(always)]
-    pub fn eval_with_density(&self, cos_out: Lanes) -> (Vec3Lanes, Lanes, Mask) {
+    pub fn eval_with_density(&self, cos_out: Lanes) -> (Vec3Lanes, Lanes, LaneMask) {
         let cos_out = cos_out * self.turn;
         let value = self.reflectance * (FRAC_1_PI * cos_out);
-        let is_bright = self.is_lit & cos_out.cmpgt(Lanes::ZERO) & !is_black(value);
+        let is_bright = self.is_lit & !cos_out.cmple(Lanes::ZERO) & !is_black(value);
         (value, lanes::cosine_hemisphere_density(cos_out), is_bright)
     }
 
@@ -68,7 +68,7 @@ impl DiffuseLanes {
     ///
     /// - `u`: uniform in the unit square.
     #[inline(always)]
-    pub fn sample(&self, u: [Lanes; 2]) -> (Vec3Lanes, Lanes, Mask) {
+    pub fn sample(&self, u: [Lanes; 2]) -> (Vec3Lanes, Lanes, LaneMask) {
         let mut direction = lanes::cosine_hemisphere(u);
         let density = lanes::cosine_hemisphere_density(direction.z);
         direction.z *= self.turn;
@@ -81,7 +81,7 @@ impl DiffuseLanes {
 }
 
 #[inline(always)]
-fn is_black(colour: Vec3Lanes) -> Mask {
+fn is_black(colour: Vec3Lanes) -> LaneMask {
     let zero = Lanes::ZERO;
     colour.x.cmpeq(zero) & colour.y.cmpeq(zero) & colour.z.cmpeq(zero)
 }

@@ -23,7 +23,7 @@ pub struct Area {
 
 /// A mesh that emits one radiance from all of its front.
 #[derive(Clone, Copy, Debug)]
-pub struct AreaLight<'s> {
+pub struct MeshLight<'s> {
     /// The mesh.
     pub mesh: &'s TriangleMesh,
     /// Emitted radiance in W·m⁻²·sr⁻¹.
@@ -50,11 +50,11 @@ impl Area {
 
     /// The light as a mesh of one radiance, if it is that.
     #[inline]
-    pub fn as_mesh(&self) -> Option<AreaLight<'_>> {
+    pub fn as_mesh(&self) -> Option<MeshLight<'_>> {
         let Shape::TriangleMesh(mesh) = &*self.shape else {
             return None;
         };
-        Some(AreaLight {
+        Some(MeshLight {
             mesh,
             radiance: self.radiance.sole_colour()?,
         })

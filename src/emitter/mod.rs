@@ -21,7 +21,7 @@ mod sun_sky;
 #[cfg(test)]
 mod tests;
 
-pub use area::{Area, AreaLight};
+pub use area::{Area, MeshLight};
 pub use collimated::Collimated;
 pub use constant::Constant;
 pub use directional::Directional;

@@ -6,12 +6,12 @@ use super::wave::Wave;
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, Transport};
 use crate::emitter::EmitterModel;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::Vec4;
 use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::path::Heuristic;
 use crate::random::Sampler;
 use crate::scene::options::{OptionError, OptionReader};
-use crate::scene::{Interaction, Scene};
+use crate::scene::{EmitterId, Interaction, Scene};
 use crate::sensor::CameraRay;
 
 /// Follows light back from the camera, one random direction at each surface, and weighs directions
@@ -56,13 +56,13 @@ pub(super) struct Walk {
 impl Walk {
     /// The throughput, and [`Walk::eta`] last.
     #[inline(always)]
-    pub(super) fn state(&self) -> Lanes {
+    pub(super) fn state(&self) -> Vec4 {
         self.throughput.0.extend(self.eta)
     }
 
     /// Undoes [`Walk::state`].
     #[inline(always)]
-    pub(super) fn set_state(&mut self, state: Lanes) {
+    pub(super) fn set_state(&mut self, state: Vec4) {
         self.throughput = Rgb(state.truncate());
         self.eta = state.w;
     }
@@ -102,11 +102,8 @@ impl PathTracer {
         radiance * weight
     }
 
-    /// Light of a surface that a ray meets by chance.
-    fn met_surface(&self, scene: &Scene, walk: &Walk, hit: &Interaction<'_>) -> Rgb {
-        let Some(id) = hit.emitter else {
-            return Rgb::BLACK;
-        };
+    /// Light of a surface that a ray meets by chance, and that is an emitter.
+    fn met_surface(&self, scene: &Scene, walk: &Walk, hit: &Interaction<'_>, id: EmitterId) -> Rgb {
         let radiance = scene.lights().get(id).radiance(&hit.point, hit.back);
         if radiance.is_black() {
             return radiance;
@@ -221,7 +218,9 @@ impl PathTracer {
         walk: &mut Walk,
         hit: &Interaction<'_>,
     ) -> bool {
-        walk.estimate.radiance += walk.throughput * self.met_surface(scene, walk, hit);
+        if let Some(id) = hit.emitter {
+            walk.estimate.radiance += walk.throughput * self.met_surface(scene, walk, hit, id);
+        }
         let is_last = depth == self.max_depth;
         if is_last {
             walk.estimate.alpha = 1.0;

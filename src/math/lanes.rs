@@ -1,13 +1,13 @@
 //! Four numbers, directions or colours at once, one in each lane.
 //!
-//! Each function here does in every lane what its namesake for one does, step by step, so that the bits
-//! are the same.
+//! What has a namesake for one does in every lane what that does, step by step, so that the bits are the
+//! same.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::Vec3;
-pub use glam::{BVec4A as Mask, Vec4 as Lanes};
+pub use glam::{BVec4A as LaneMask, Vec4, Vec4 as Lanes};
 
 /// How many there are.
 pub const LANES: usize = 4;
@@ -39,14 +39,14 @@ pub fn gather(of_lane: impl FnMut(usize) -> f32) -> Lanes {
 
 /// The lanes for which something holds.
 #[inline(always)]
-pub fn mask(of_lane: impl FnMut(usize) -> bool) -> Mask {
+pub fn mask(of_lane: impl FnMut(usize) -> bool) -> LaneMask {
     let [a, b, c, d] = each(of_lane);
-    Mask::new(a, b, c, d)
+    LaneMask::new(a, b, c, d)
 }
 
 /// Columns of four rows, one of each lane.
 #[inline(always)]
-pub fn transpose(rows: [Lanes; LANES]) -> [Lanes; LANES] {
+pub fn transpose(rows: [Vec4; LANES]) -> [Lanes; LANES] {
     let [a, b, c, d] = rows;
     let columns = glam::Mat4::from_cols(a, b, c, d).transpose();
     [
@@ -58,7 +58,7 @@ pub fn transpose(rows: [Lanes; LANES]) -> [Lanes; LANES] {
 }
 
 #[inline(always)]
-fn select(mask: Mask, then: Lanes, otherwise: Lanes) -> Lanes {
+fn select(mask: LaneMask, then: Lanes, otherwise: Lanes) -> Lanes {
     Lanes::select(mask, then, otherwise)
 }
 
@@ -86,14 +86,14 @@ impl Vec3Lanes {
 
     /// Vectors from rows of one lane each, and the last number of each row.
     #[inline(always)]
-    pub fn of_rows(rows: [Lanes; LANES]) -> (Self, Lanes) {
+    pub fn of_rows(rows: [Vec4; LANES]) -> (Self, Lanes) {
         let [x, y, z, last] = transpose(rows);
         (Self { x, y, z }, last)
     }
 
     /// The vectors of all lanes, each followed by a number.
     #[inline(always)]
-    pub fn rows(self, last: Lanes) -> [Lanes; LANES] {
+    pub fn rows(self, last: Lanes) -> [Vec4; LANES] {
         transpose([self.x, self.y, self.z, last])
     }
 
@@ -118,7 +118,7 @@ impl Vec3Lanes {
 
     /// Those of one where the mask is set, else those of the other.
     #[inline(always)]
-    pub fn select(mask: Mask, then: Self, otherwise: Self) -> Self {
+    pub fn select(mask: LaneMask, then: Self, otherwise: Self) -> Self {
         Self {
             x: select(mask, then.x, otherwise.x),
             y: select(mask, then.y, otherwise.y),
@@ -298,8 +298,8 @@ mod tests {
                 assert_eq!(bits(direction.vectors()[lane]), bits(alone), "{u}");
                 let alone = warp::cosine_hemisphere_density(alone.z);
                 assert_eq!(density[lane].to_bits(), alone.to_bits(), "{u}");
-                let alone = warp::uniform_triangle(u).to_array();
-                assert_eq!([triangle[0][lane], triangle[1][lane]], alone, "{u}");
+                let alone = warp::uniform_triangle(u).to_array().map(f32::to_bits);
+                assert_eq!(triangle.map(|part| part[lane].to_bits()), alone, "{u}");
             }
         }
     }

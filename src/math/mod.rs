@@ -1,7 +1,7 @@
 //! Vectors, colours, densities and statistics: what every other layer speaks in.
 //!
-//! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32): geometry is single precision, products along a
-//! path and sums are `f64`.
+//! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32), and [`lanes`] where four are dealt with at once: geometry
+//! is single precision, products along a path and sums are `f64`.
 
 mod chart;
 mod cie;

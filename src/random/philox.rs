@@ -1,7 +1,7 @@
 //! The counter-based generator Philox4x32-10.
 
 use crate::math::Vec2;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::Vec4;
 
 /// What a stream of random numbers is for: streams of two purposes never share a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +73,13 @@ impl Stream {
         }
     }
 
+    /// The first number of a stream that has handed out none, where no other is needed: the numbers after it
+    /// are not made.
+    #[inline]
+    pub fn only_u32(self) -> u32 {
+        philox4x32_10(self.counter, self.key)[0]
+    }
+
     /// The next number, uniform in `0..2³²`.
     #[inline(always)]
     pub fn next_u32(&mut self) -> u32 {
@@ -119,14 +126,14 @@ impl Stream {
 
     /// The next four numbers, uniform in `[0, 1)`.
     #[inline]
-    pub fn next_vec4(&mut self) -> Lanes {
+    pub fn next_vec4(&mut self) -> Vec4 {
         let used = self.used as usize;
         if let Some(numbers) = self.numbers.get(used..used + 4) {
             self.used += 4;
-            return Lanes::from_array([0, 1, 2, 3].map(|i| unit_f32(numbers[i])));
+            return Vec4::from_array([0, 1, 2, 3].map(|i| unit_f32(numbers[i])));
         }
         let (first, second) = (self.next_vec2(), self.next_vec2());
-        Lanes::new(first.x, first.y, second.x, second.y)
+        Vec4::new(first.x, first.y, second.x, second.y)
     }
 }
 
@@ -186,6 +193,7 @@ mod tests {
     fn a_stream_hands_out_block_after_block() {
         let mut stream = Stream::new(7, Purpose::Check, 3, 5);
         let key = stream.key;
+        assert_eq!(stream.clone().only_u32(), stream.clone().next_u32());
         for block in 0..3 * BLOCKS as u32 {
             for number in philox4x32_10([block, 0, 5, 3], key) {
                 assert_eq!(stream.next_u32(), number);

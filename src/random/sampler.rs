@@ -2,7 +2,7 @@
 
 use super::philox::{Purpose, Stream};
 use crate::math::Vec2;
-use crate::math::lanes::Lanes;
+use crate::math::lanes::Vec4;
 
 /// How the samples of a pixel are spread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,7 +142,7 @@ impl Sampler {
             // The salt keeps the groups of two purposes apart.
             SamplerKind::Stratified | SamplerKind::Sobol => {
                 let salted = seed ^ (u64::from(purpose as u32) << 56);
-                Stream::new(salted, Purpose::Scramble, pixel, group).next_u32()
+                Stream::new(salted, Purpose::Scramble, pixel, group).only_u32()
             }
         };
         Self {
@@ -175,7 +175,7 @@ impl Sampler {
 
     /// The next two pairs of numbers, one after the other.
     #[inline]
-    pub fn next_pairs(&mut self) -> Lanes {
+    pub fn next_pairs(&mut self) -> Vec4 {
         if self.kind == SamplerKind::Independent || self.dimension >= Self::SPREAD_DIMENSIONS {
             return self.stream.next_vec4();
         }
@@ -183,9 +183,9 @@ impl Sampler {
     }
 
     #[inline(never)]
-    fn spread_pairs(&mut self) -> Lanes {
+    fn spread_pairs(&mut self) -> Vec4 {
         let (first, second) = (self.next_2d(), self.next_2d());
-        Lanes::new(first.x, first.y, second.x, second.y)
+        Vec4::new(first.x, first.y, second.x, second.y)
     }
 
     fn spread_1d(&mut self) -> f32 {

@@ -2,7 +2,7 @@
 
 use super::EmitterId;
 use crate::emitter::{
-    AreaLight, EmissionDensity, EmittedRay, Emitter, EmitterClass, EmitterModel, EmitterSample,
+    EmissionDensity, EmittedRay, Emitter, EmitterClass, EmitterModel, EmitterSample, MeshLight,
 };
 use crate::math::distribution::{Choice, Discrete};
 use crate::math::{Rgb, SolidAngleDensity, Vec2, Vec3, warp};
@@ -84,7 +84,7 @@ impl Lights {
 
     /// The only emitter, where that is a mesh of one radiance.
     #[inline]
-    pub fn sole_area_light(&self) -> Option<AreaLight<'_>> {
+    pub fn sole_mesh_light(&self) -> Option<MeshLight<'_>> {
         match self.emitters.as_slice() {
             [Emitter::Area(area)] => area.as_mesh(),
             _ => None,

@@ -21,6 +21,8 @@ pub struct Sphere {
     axes: Mat3,
     /// 1, or −1 where normals point to the centre.
     side: f32,
+    /// Whether points know how they change with the coordinates.
+    derivatives: bool,
 }
 
 impl Sphere {
@@ -51,6 +53,7 @@ impl Sphere {
             radius: (scale * f64::from(radius)) as f32,
             axes: Mat3::from_cols(unit(x), unit(y), unit(z)),
             side: 1.0,
+            derivatives: true,
         };
         // The checked numbers may still have left the range of f32 together.
         if !(sphere.centre.is_finite() && sphere.radius.is_normal()) {
@@ -62,6 +65,12 @@ impl Sphere {
     /// Turns the normals to the other side.
     pub fn flip_normals(&mut self) {
         self.side = -self.side;
+    }
+
+    /// Makes points know no longer how they change with the coordinates, for speed: as isotropic materials
+    /// without bumps have it. Shading frames then do not follow the coordinates.
+    pub fn ignore_coordinates(&mut self) {
+        self.derivatives = false;
     }
 
     /// World-space centre.
@@ -80,21 +89,32 @@ impl Sphere {
         let local = self.axes.transpose() * outward;
         let from_axis = local.truncate().length();
         let normal = outward * self.side;
-        let by_u = self.axes * Vec3::new(-local.y, local.x, 0.0) * (TAU * self.radius);
-        let azimuth = local.truncate().normalize_or(Vec2::X);
-        let by_v = self.axes * (azimuth * local.z).extend(-from_axis) * (PI * self.radius);
         let extent = self.centre.abs().max_element() + self.radius;
         SurfacePoint {
             position: self.centre + outward * self.radius,
             geometric_normal: normal,
             shading_normal: normal,
-            derivatives: Derivatives::new(normal, by_u, by_v),
+            derivatives: if self.derivatives {
+                let [by_u, by_v] = self.derivatives(local);
+                Derivatives::new(normal, by_u, by_v)
+            } else {
+                Derivatives::NONE
+            },
             uv: Vec2::new(
                 warp::turn(local.truncate()),
                 from_axis.atan2(local.z) * FRAC_1_PI,
             ),
             error: SurfacePoint::error_bound(extent),
         }
+    }
+
+    /// ∂p/∂u and ∂p/∂v where the outward normal is `local` among the object's axes.
+    fn derivatives(&self, local: Vec3) -> [Vec3; 2] {
+        let from_axis = local.truncate().length();
+        let azimuth = local.truncate().normalize_or(Vec2::X);
+        let by_u = self.axes * Vec3::new(-local.y, local.x, 0.0) * (TAU * self.radius);
+        let by_v = self.axes * (azimuth * local.z).extend(-from_axis) * (PI * self.radius);
+        [by_u, by_v]
     }
 
     /// The cone in which `from` sees the sphere; `None` from inside.

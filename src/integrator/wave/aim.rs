@@ -1,27 +1,27 @@
 //! Directions to emitters, for four surfaces at once.
 
-use crate::emitter::AreaLight;
-use crate::integrator::path::aim;
-use crate::math::lanes::{LANES, Lanes, Mask, Vec3Lanes, each, gather, mask};
+use crate::emitter::MeshLight;
+use crate::integrator::path::{Aim, aim};
+use crate::math::lanes::{LANES, LaneMask, Lanes, Vec3Lanes, each, gather, mask};
 use crate::math::{Vec2, Vec3};
 use crate::scene::Scene;
 
 /// A sampled direction to an emitter in each lane.
 pub(super) struct Aims {
     /// Lanes that have one.
-    pub(super) found: Mask,
+    pub(super) found: LaneMask,
     /// Unit directions.
     pub(super) direction: Vec3Lanes,
     /// Where shadow rays must reach to, in lanes that are not far.
     pub(super) target: Vec3Lanes,
     /// Lanes whose emitter is infinitely far away.
-    pub(super) is_far: Mask,
+    pub(super) is_far: LaneMask,
     /// What arrives if nothing stands in between, in W·m⁻²·sr⁻¹, or W·m⁻² from Dirac emitters.
     pub(super) radiance: Vec3Lanes,
     /// Densities of the directions in 1/sr; probabilities of Dirac emitters.
     pub(super) density: Lanes,
     /// Lanes whose direction nothing else makes.
-    pub(super) is_dirac: Mask,
+    pub(super) is_dirac: LaneMask,
 }
 
 impl Aims {
@@ -30,7 +30,7 @@ impl Aims {
     /// - `u`: uniform in the unit square.
     #[inline(always)]
     pub(super) fn sample(scene: &Scene, from: Vec3Lanes, u: [Vec2; LANES]) -> Self {
-        match scene.lights().sole_area_light() {
+        match scene.lights().sole_mesh_light() {
             Some(light) => Self::at_light(light, from, u),
             None => Self::one_by_one(scene, from.vectors(), u),
         }
@@ -38,7 +38,7 @@ impl Aims {
 
     /// To a mesh that is the only emitter: as [`Area`](crate::emitter::Area) does it.
     #[inline(always)]
-    fn at_light(light: AreaLight<'_>, from: Vec3Lanes, u: [Vec2; LANES]) -> Self {
+    fn at_light(light: MeshLight<'_>, from: Vec3Lanes, u: [Vec2; LANES]) -> Self {
         let (point, density) = light.mesh.sample_areas(u);
         let edge = point.position - from;
         let distance_squared = edge.length_squared();
@@ -50,17 +50,17 @@ impl Aims {
             found: density.is_finite_mask() & facing.cmplt(Lanes::ZERO),
             direction,
             target: point.ray_origin(-direction),
-            is_far: Mask::splat(false),
+            is_far: LaneMask::splat(false),
             radiance: Vec3Lanes::splat(light.radiance.0),
             density,
-            is_dirac: Mask::splat(false),
+            is_dirac: LaneMask::splat(false),
         }
     }
 
     #[inline(never)]
     fn one_by_one(scene: &Scene, from: [Vec3; LANES], u: [Vec2; LANES]) -> Self {
         let aims = each(|lane| aim(scene, from[lane], u[lane]));
-        let vectors = |of: fn(&crate::integrator::path::Aim) -> Vec3| {
+        let vectors = |of: fn(&Aim) -> Vec3| {
             Vec3Lanes::gather(|lane| aims[lane].as_ref().map_or(Vec3::ZERO, of))
         };
         Self {

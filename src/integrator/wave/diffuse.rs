@@ -10,7 +10,9 @@ use super::aim::Aims;
 use crate::accel::{Hit, Ray, RayLanes};
 use crate::bsdf::DiffuseLanes;
 use crate::integrator::path::{Connection, Departure, PathTracer, Walk};
-use crate::math::lanes::{LANES, Lanes, Mask, Vec3Lanes, each, gather, mask, to_world, transpose};
+use crate::math::lanes::{
+    LANES, LaneMask, Lanes, Vec3Lanes, each, gather, mask, to_world, transpose,
+};
 use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::shape::{Shape, SurfaceLanes, TriangleMesh};
@@ -149,7 +151,7 @@ fn connect(
     surface: &SurfaceLanes,
     material: &DiffuseLanes,
     aims: &Aims,
-) -> (RayLanes, Vec3Lanes, Mask) {
+) -> (RayLanes, Vec3Lanes, LaneMask) {
     let cos_out = aims.direction.dot(surface.shading_normal);
     let (value, own, is_bright) = material.eval_with_density(cos_out);
     let weight = tracer.heuristic().first_weights(aims.density, own);

@@ -112,10 +112,10 @@ impl Loader<'_> {
         let emission = emitter.and_then(|emitter| Some((self.area_radiance(emitter)?, emitter)));
         self.carrier = None;
         let mut shape = built?;
-        if let (Shape::TriangleMesh(mesh), true) =
-            (&mut shape, self.needs_derivatives.contains(&bsdf))
-        {
-            mesh.follow_coordinates();
+        match (&mut shape, self.needs_derivatives.contains(&bsdf)) {
+            (Shape::TriangleMesh(mesh), true) => mesh.follow_coordinates(),
+            (Shape::Sphere(sphere), false) => sphere.ignore_coordinates(),
+            _ => {}
         }
         Some(Built {
             shape,

@@ -42,7 +42,9 @@ impl Facet {
             corner_and_error: a.extend(error),
             to_b_and_least: to_b.extend(least),
             to_c: to_c.extend(0.0),
-            normal: unit_or(across.into(), Vec3::Z).extend(0.0),
+            // Without negative zeros: frames turn around where `z` changes its sign, and the two halves of a
+            // wall would have different ones.
+            normal: unit_or(across.into(), Vec3::Z).extend(0.0) + Vec4::ZERO,
         }
     }
 

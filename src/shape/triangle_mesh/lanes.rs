@@ -9,9 +9,9 @@ use crate::math::{AreaDensity, Vec2, Vec3};
 #[derive(Clone, Debug)]
 pub struct Triangle {
     facet: Facet,
-    /// Whether the mesh has normals.
+    /// Whether the mesh has normals to interpolate.
     is_smooth: bool,
-    /// Those of the corners, else zero.
+    /// Normals of the corners; zero where it has none.
     normals: [Vec3; 3],
 }
 
@@ -173,11 +173,13 @@ mod tests {
         }
     }
 
-    /// A flat cube, one whose normals point in, one with slanted normals, each with and without prepared
+    /// A flat cube, one that never had normals, one whose normals point in, one with slanted normals, each with and without prepared
     /// points.
     fn meshes() -> Vec<TriangleMesh> {
         let mut placed = primitives::cube();
         placed.transform(Mat4::from_rotation_x(0.7) * Mat4::from_scale(Vec3::new(3.0, 0.1, 7.0)));
+        let mut bare = placed.clone();
+        bare.remove_normals();
         let mut inside_out = placed.clone();
         for normal in inside_out.normals.iter_mut().flatten() {
             *normal = normal.map(|c| -c);
@@ -192,7 +194,7 @@ mod tests {
             mesh.prepare_sampling();
             mesh
         };
-        [placed, inside_out, slanted]
+        [placed, bare, inside_out, slanted]
             .iter()
             .flat_map(|data| [prepared(data, 0), prepared(data, 100)])
             .collect()

@@ -2,6 +2,8 @@
 
 mod facet;
 mod lanes;
+#[cfg(test)]
+mod tests;
 
 pub use lanes::{SurfaceLanes, Triangle};
 
@@ -320,28 +322,5 @@ impl ShapeModel for TriangleMesh {
         let (_, primitive, barycentrics) = nearest?;
         let u = warp::into_unit_square(warp::uniform_triangle_inverse(barycentrics));
         Some(Vec2::new(by_area.invert(primitive as usize, u.x)?, u.y))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::shape::primitives;
-
-    #[test]
-    fn meshes_too_large_to_prepare_have_the_same_points() {
-        let mut mesh = TriangleMesh::from(primitives::cube());
-        let barycentrics = [(0.2, 0.3), (0.0, 0.5), (1e-7, 1e-7), (0.999_999, 0.0)];
-        let points = |mesh: &TriangleMesh| -> Vec<String> {
-            let triangles = 0..mesh.triangles().as_slice().len() as u32;
-            triangles
-                .flat_map(|index| barycentrics.map(|(b1, b2)| (index, Vec2::new(b1, b2))))
-                .map(|(index, b)| format!("{:?}", mesh.point(index, b)))
-                .collect()
-        };
-        let unprepared = points(&mesh);
-        assert_eq!((mesh.prepare_points(11), mesh.facets.len()), (0, 0));
-        assert_eq!(mesh.prepare_points(12), 12);
-        assert_eq!(points(&mesh), unprepared);
     }
 }
