@@ -7,6 +7,7 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::Vec3;
+use super::warp::sin_cos_of_eighth;
 pub use glam::{BVec4A as LaneMask, Vec4, Vec4 as Lanes};
 
 /// How many there are.
@@ -55,11 +56,6 @@ pub fn transpose(rows: [Vec4; LANES]) -> [Lanes; LANES] {
         columns.z_axis,
         columns.w_axis,
     ]
-}
-
-#[inline(always)]
-fn select(mask: LaneMask, then: Lanes, otherwise: Lanes) -> Lanes {
-    Lanes::select(mask, then, otherwise)
 }
 
 impl Vec3Lanes {
@@ -120,9 +116,9 @@ impl Vec3Lanes {
     #[inline(always)]
     pub fn select(mask: LaneMask, then: Self, otherwise: Self) -> Self {
         Self {
-            x: select(mask, then.x, otherwise.x),
-            y: select(mask, then.y, otherwise.y),
-            z: select(mask, then.z, otherwise.z),
+            x: Lanes::select(mask, then.x, otherwise.x),
+            y: Lanes::select(mask, then.y, otherwise.y),
+            z: Lanes::select(mask, then.z, otherwise.z),
         }
     }
 
@@ -235,28 +231,16 @@ fn uniform_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
     let a = 2.0 * u - Lanes::ONE;
     let b = 2.0 * v - Lanes::ONE;
     let is_high = (a * a).cmple(b * b);
-    let (radius, across) = (select(is_high, b, a), select(is_high, a, b));
+    let (radius, across) = (Lanes::select(is_high, b, a), Lanes::select(is_high, a, b));
     let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (across / radius));
     let (along, across) = (radius * cos, radius * sin);
     let is_middle = radius.cmpeq(Lanes::ZERO);
-    let x = select(is_high, across, along);
-    let y = select(is_high, along, across);
+    let x = Lanes::select(is_high, across, along);
+    let y = Lanes::select(is_high, along, across);
     [
-        select(is_middle, Lanes::ZERO, x),
-        select(is_middle, Lanes::ZERO, y),
+        Lanes::select(is_middle, Lanes::ZERO, x),
+        Lanes::select(is_middle, Lanes::ZERO, y),
     ]
-}
-
-#[inline(always)]
-fn sin_cos_of_eighth(angle: Lanes) -> (Lanes, Lanes) {
-    let splat = Lanes::splat;
-    let z = angle * angle;
-    let sin = ((-1.951_529_6e-4 * z + splat(8.332_161e-3)) * z - splat(1.666_665_5e-1)) * z * angle
-        + angle;
-    let cos = ((2.443_315_7e-5 * z - splat(1.388_731_6e-3)) * z + splat(4.166_664_6e-2)) * z * z
-        - 0.5 * z
-        + Lanes::ONE;
-    (sin, cos)
 }
 
 #[cfg(test)]

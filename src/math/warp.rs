@@ -4,6 +4,7 @@
 //! and path-space kernels need both directions to work on one chain.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::ops::{Add, Mul, Sub};
 
 use super::{Vec2, Vec3};
 
@@ -79,14 +80,19 @@ fn swapped_if(swap: bool, a: f32, b: f32) -> (f32, f32) {
     )
 }
 
-/// Sine and cosine of an angle of at most an eighth of a turn either way, to 1e-7.
+/// Sine and cosine of an angle of at most an eighth of a turn either way, to 1e-7: of one, or of one in each
+/// lane.
 ///
 /// Source: Moshier 1992, `sinf` and `cosf`.
-#[inline]
-fn sin_cos_of_eighth(angle: f32) -> (f32, f32) {
+#[inline(always)]
+pub(super) fn sin_cos_of_eighth<T>(angle: T) -> (T, T)
+where
+    T: Copy + Mul<Output = T> + Add<Output = T> + Sub<Output = T>,
+    T: Mul<f32, Output = T> + Add<f32, Output = T> + Sub<f32, Output = T>,
+{
     let z = angle * angle;
-    let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 1.666_665_5e-1) * z * angle + angle;
-    let cos = ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0;
+    let sin = ((z * -1.951_529_6e-4 + 8.332_161e-3) * z - 1.666_665_5e-1) * z * angle + angle;
+    let cos = ((z * 2.443_315_7e-5 - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - z * 0.5 + 1.0;
     (sin, cos)
 }
 

@@ -95,7 +95,7 @@ impl Sphere {
             geometric_normal: normal,
             shading_normal: normal,
             derivatives: if self.derivatives {
-                let [by_u, by_v] = self.derivatives(local);
+                let [by_u, by_v] = self.derivatives(local, from_axis);
                 Derivatives::new(normal, by_u, by_v)
             } else {
                 Derivatives::NONE
@@ -109,8 +109,9 @@ impl Sphere {
     }
 
     /// ∂p/∂u and ∂p/∂v where the outward normal is `local` among the object's axes.
-    fn derivatives(&self, local: Vec3) -> [Vec3; 2] {
-        let from_axis = local.truncate().length();
+    ///
+    /// - `from_axis`: length of what of it lies across the z axis.
+    fn derivatives(&self, local: Vec3, from_axis: f32) -> [Vec3; 2] {
         let azimuth = local.truncate().normalize_or(Vec2::X);
         let by_u = self.axes * Vec3::new(-local.y, local.x, 0.0) * (TAU * self.radius);
         let by_v = self.axes * (azimuth * local.z).extend(-from_axis) * (PI * self.radius);

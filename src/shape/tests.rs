@@ -128,6 +128,24 @@ fn a_hit_near_the_surface_finds_the_sampled_point_again() {
 }
 
 #[test]
+fn spheres_that_ignore_their_coordinates_have_the_same_points() {
+    let (follows, mut ignores) = (sphere(), sphere());
+    ignores.ignore_coordinates();
+    let mut stream = stream(9);
+    for _ in 0..100 {
+        let u = pair(&mut stream);
+        let (full, bare) = (follows.sample_area(u).0, ignores.sample_area(u).0);
+        assert_ne!(full.derivatives, Derivatives::NONE);
+        assert_eq!(bare.derivatives, Derivatives::NONE);
+        let full = SurfacePoint {
+            derivatives: Derivatives::NONE,
+            ..full
+        };
+        assert_eq!(format!("{full:?}"), format!("{bare:?}"));
+    }
+}
+
+#[test]
 fn surface_points_are_small() {
     assert!(size_of::<SurfacePoint>() <= 64);
 }

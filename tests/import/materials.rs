@@ -1,7 +1,9 @@
 //! Materials that are read in both generations' spellings, and what is said of broken ones.
 
-use lumiflow::math::Rgb;
+use lumiflow::accel::Ray;
+use lumiflow::math::{Rgb, Vec3};
 use lumiflow::scene::import::xml::Strictness;
+use lumiflow::shape::Derivatives;
 
 use super::models::{below, import_files};
 use super::{check, file_of};
@@ -236,4 +238,33 @@ fn squares_hold_textures_and_refs_to_them() {
                    <texture type='cheesecloth' name='color1'/></texture>";
     let said = "5:1: unknown texture \"cheesecloth\"";
     refuse("diffuse", &[(unknown, said)]);
+}
+
+/// Anisotropic materials and bumps do, however deep they lie; others must not pay for it.
+#[test]
+fn points_know_how_coordinates_run_where_a_material_asks() {
+    let brushed = "<bsdf type='roughconductor' id='brushed'><float name='alpha_u' value='0.1'/>
+        <float name='alpha_v' value='0.3'/></bsdf>";
+    let bumps = format!("<bsdf type='bumpmap'>{BOARD}{DIFFUSE}</bsdf>");
+    let nested = "<bsdf type='twosided'><ref id='brushed'/></bsdf>";
+    let textured = format!("<bsdf type='diffuse'>{}</bsdf>", board("reflectance"));
+    for (material, asks) in [
+        (brushed.replace(" id='brushed'", "").as_str(), true),
+        (&bumps, true),
+        (nested, true),
+        (DIFFUSE, false),
+        (&textured, false),
+    ] {
+        for shape in ["sphere", "rectangle"] {
+            let scene = file_of(&format!(
+                "{brushed}<shape type='{shape}'>{material}</shape>"
+            ));
+            let imported = import_files(&[("a.xml", scene.as_bytes())], Strictness::Strict);
+            let imported = imported.expect("a sound scene");
+            let ray = Ray::new(Vec3::new(0.3, 0.2, 4.0), Vec3::NEG_Z);
+            let hit = imported.scene.intersect(&ray).expect("the shape is there");
+            let knows = hit.point.derivatives != Derivatives::NONE;
+            assert_eq!(knows, asks, "{shape}: {material}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ use crate::accel::{Hit, Ray, RayLanes};
 use crate::bsdf::DiffuseLanes;
 use crate::integrator::path::{Connection, Departure, PathTracer, Walk};
 use crate::math::lanes::{
-    LANES, LaneMask, Lanes, Vec3Lanes, each, gather, mask, to_world, transpose,
+    LANES, LaneMask, Lanes, Vec3Lanes, Vec4, each, gather, mask, to_world, transpose,
 };
 use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
@@ -101,7 +101,7 @@ pub(super) fn advance(
     let group = Group::new(vertices);
     let surface = group.surfaces();
     let material = group.materials(surface.shading_normal);
-    let mut numbers = [Lanes::ZERO; LANES];
+    let mut numbers = [Vec4::ZERO; LANES];
     for (vertex, numbers) in vertices.iter().zip(&mut numbers) {
         *numbers = walks[vertex.walk as usize].sampler.next_pairs();
     }
