@@ -25,14 +25,27 @@ impl Diffuse {
         }
     }
 
-    /// The reflectance at surface coordinates, which are only worked out where the texture asks for them.
-    #[inline(always)]
-    pub fn reflectance_at(&self, uv: impl FnOnce() -> Vec2) -> Rgb {
-        match self.reflectance.sole_colour() {
-            Some(colour) => colour,
-            None => self.reflectance.colour(uv()),
-        }
+    /// The reflectance at surface coordinates.
+    pub fn reflectance(&self, uv: Vec2) -> Rgb {
+        self.reflectance.colour(uv)
     }
+
+    /// The reflectance, where it is the same everywhere.
+    pub fn sole_reflectance(&self) -> Option<Rgb> {
+        self.reflectance.sole_colour()
+    }
+}
+
+/// What a diffuse surface scatters, times the cosine.
+///
+/// - `reflectance`: share of light reflected.
+/// - `cos_in`, `cos_out`: signed cosines of the angles between directions and normal.
+#[inline(always)]
+pub(super) fn lambert(reflectance: impl FnOnce() -> Rgb, cos_in: f32, cos_out: f32) -> Rgb {
+    if cos_in <= 0.0 || cos_out <= 0.0 {
+        return Rgb::BLACK;
+    }
+    reflectance() * (FRAC_1_PI * cos_out)
 }
 
 impl BsdfModel for Diffuse {
@@ -76,10 +89,7 @@ impl BsdfModel for Diffuse {
 
     #[inline]
     fn eval(&self, wi: Local, wo: Local, at: &SurfacePoint, _transport: Transport) -> Rgb {
-        if wi.cos() <= 0.0 || wo.cos() <= 0.0 {
-            return Rgb::BLACK;
-        }
-        self.reflectance.colour(at.uv) * (FRAC_1_PI * wo.cos())
+        lambert(|| self.reflectance.colour(at.uv), wi.cos(), wo.cos())
     }
 
     #[inline]

@@ -2,7 +2,6 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{Bsdf, Diffuse};
 use crate::math::lanes::{self, LaneMask, Lanes, Vec3Lanes};
 
 /// [`Diffuse`] in each lane, on one or on both sides, as seen from directions.
@@ -14,21 +13,6 @@ pub struct DiffuseLanes {
     is_lit: LaneMask,
     /// Factors on the normal's part of a direction, as in [`TwoSided`](super::TwoSided).
     turn: Lanes,
-}
-
-impl Bsdf {
-    /// The diffuse material that this is, and whether it is one on both sides.
-    #[inline(always)]
-    pub fn as_diffuse(&self) -> Option<(&Diffuse, bool)> {
-        match self {
-            Self::Diffuse(diffuse) => Some((diffuse, false)),
-            Self::TwoSided(sides) => match sides.sole() {
-                Some(Self::Diffuse(diffuse)) => Some((diffuse, true)),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
 }
 
 impl DiffuseLanes {
@@ -89,7 +73,7 @@ fn is_black(colour: Vec3Lanes) -> LaneMask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::{BsdfModel, Conductor, Transport, TwoSided};
+    use crate::bsdf::{Bsdf, BsdfModel, Diffuse, Transport, TwoSided};
     use crate::math::lanes::{LANES, each, gather};
     use crate::math::{Local, Rgb, Vec2, Vec3, warp};
     use crate::shape::{ShapeModel, SurfacePoint, TriangleMesh, primitives};
@@ -117,10 +101,10 @@ mod tests {
         let at = somewhere();
         for (index, wi) in directions().into_iter().cycle().take(30).enumerate() {
             let four = each(|lane| &bsdfs[(index + lane) % bsdfs.len()]);
-            let found = four.map(|bsdf| bsdf.as_diffuse().expect("all are diffuse"));
+            let found = four.map(|bsdf| bsdf.sole_diffuse().expect("all are diffuse"));
             let lanes = DiffuseLanes::new(
-                Vec3Lanes::gather(|lane| found[lane].0.reflectance_at(|| at.uv).0),
-                lanes::mask(|lane| found[lane].1),
+                Vec3Lanes::gather(|lane| found[lane].reflectance(|| four[lane], || at.uv).0),
+                lanes::mask(|lane| found[lane].is_two_sided),
                 gather(|_| wi.z),
             );
             let u = Vec2::new(0.7, 0.2 + 0.02 * index as f32);
@@ -151,31 +135,6 @@ mod tests {
                     }
                 }
             }
-        }
-    }
-
-    #[test]
-    fn other_materials_are_not_taken() {
-        let others = Bsdf::examples();
-        let others = others
-            .iter()
-            .filter(|bsdf| !["Diffuse", "TwoSided"].contains(&bsdf.name()));
-        assert!(others.clone().count() > 30);
-        for bsdf in others {
-            assert!(bsdf.as_diffuse().is_none(), "{bsdf:?}");
-        }
-        let grey = || Diffuse::new(0.5);
-        let two_sided = |front: Bsdf, back| Bsdf::from(TwoSided::new(front, back).unwrap());
-        assert!(two_sided(grey().into(), None).as_diffuse().is_some());
-        let metal = || Bsdf::from(Conductor::new(None, 0.9));
-        for (front, back) in [
-            (grey().into(), Some(grey().into())),
-            (grey().into(), Some(metal())),
-            (metal(), Some(grey().into())),
-            (metal(), None),
-        ] {
-            let bsdf = two_sided(front, back);
-            assert!(bsdf.as_diffuse().is_none(), "{bsdf:?}");
         }
     }
 }

@@ -1,8 +1,9 @@
 //! One pass of one layer, in fixed point.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 
-use super::{Filter, Window};
+use super::{Filter, Window, pixel_of};
 use crate::math::{Rgb, Vec2};
 
 /// Value of one step of a layer's fixed-point numbers: a power of two.
@@ -30,6 +31,16 @@ impl Unit {
     pub fn value(self) -> f64 {
         self.0
     }
+}
+
+/// What estimates can land on.
+pub trait Canvas {
+    /// Adds an estimate at a raster position to every pixel that the filter reaches.
+    ///
+    /// - `raster`: in pixels of the full film.
+    /// - `values`: one a channel. If one is not finite or out of range, the estimate is counted as
+    ///   rejected and adds nothing.
+    fn add<const N: usize>(&self, filter: &Filter, raster: Vec2, values: [f32; N]);
 }
 
 /// Where the estimates of one pass land; shared by all threads.
@@ -64,38 +75,72 @@ impl PassBuffer {
         values * size_of::<AtomicI64>() as u64
     }
 
-    /// Adds an estimate at a raster position to every pixel that the filter reaches.
-    ///
-    /// - `raster`: in pixels of the full film.
-    /// - `values`: one a channel. If one is not finite or out of range, the estimate is counted as
-    ///   rejected and adds nothing.
+    /// Works out what an estimate adds to which pixels, some of which may lie outside of the window, in
+    /// steps. What is rejected is counted.
     #[inline]
-    pub fn add<const N: usize>(&self, filter: &Filter, raster: Vec2, values: [f32; N]) {
+    pub(super) fn split<const N: usize>(
+        &self,
+        filter: &Filter,
+        raster: Vec2,
+        values: [f32; N],
+        mut add: impl FnMut(i32, i32, [i64; N]),
+    ) {
         debug_assert_eq!(N, self.channels, "one value a channel");
         let steps = values.map(|value| f64::from(value) * self.steps_per_one);
         if !steps.iter().all(|steps| steps.abs() < LARGEST_ESTIMATE) {
             self.rejected.fetch_add(1, Relaxed);
             return;
         }
+        if filter.is_pixel_box() {
+            let (x, y) = pixel_of(raster);
+            return add(x, y, steps.map(rounded));
+        }
         filter.for_each_pixel(raster, |x, y, weight| {
-            if let Some(first) = self.index(x, y) {
-                let weight = f64::from(weight);
-                for (sum, steps) in self.sums[first..first + N].iter().zip(steps) {
-                    sum.fetch_add(rounded(steps * weight), Relaxed);
-                }
-            }
+            let weight = f64::from(weight);
+            add(x, y, steps.map(|steps| rounded(steps * weight)));
         });
     }
 
-    /// Index of the first channel of a pixel of the full film; `None` outside of the window.
+    /// Adds steps to a pixel of the full film, if it lies in the window.
     #[inline]
-    fn index(&self, x: i32, y: i32) -> Option<usize> {
-        let column = x.checked_sub_unsigned(self.window.x)?;
-        let row = y.checked_sub_unsigned(self.window.y)?;
-        let inside = (0..self.window.width as i32).contains(&column)
-            && (0..self.window.height as i32).contains(&row);
-        inside
-            .then(|| (row as usize * self.window.width as usize + column as usize) * self.channels)
+    pub(super) fn add_steps<const N: usize>(&self, pixel: (i32, i32), steps: [i64; N]) {
+        for (sum, steps) in self.sums_at(pixel, N).iter().zip(steps) {
+            sum.fetch_add(steps, Relaxed);
+        }
+    }
+
+    /// The same where no other thread adds to that pixel in the meantime: its steps would be lost.
+    #[inline]
+    pub(super) fn add_steps_alone<const N: usize>(&self, pixel: (i32, i32), steps: [i64; N]) {
+        for (sum, steps) in self.sums_at(pixel, N).iter().zip(steps) {
+            sum.store(sum.load(Relaxed).wrapping_add(steps), Relaxed);
+        }
+    }
+
+    /// The sums of a pixel of the full film; none outside of the window.
+    ///
+    /// - `channels`: how many there are.
+    #[inline]
+    fn sums_at(&self, (x, y): (i32, i32), channels: usize) -> &[AtomicI64] {
+        match self.window.index_of(x, y) {
+            Some(pixel) => &self.sums[pixel * channels..(pixel + 1) * channels],
+            None => &[],
+        }
+    }
+
+    /// Adds the sums of a part of the window, row by row.
+    pub(super) fn add_sums(&self, part: Window, sums: &[Cell<i64>]) {
+        let length = part.width as usize * self.channels;
+        for (row, landed) in sums.chunks(length.max(1)).enumerate() {
+            let left = (part.x - self.window.x) as usize;
+            let above = (part.y - self.window.y) as usize + row;
+            let first = (above * self.window.width as usize + left) * self.channels;
+            for (sum, landed) in self.sums[first..first + length].iter().zip(landed) {
+                if landed.get() != 0 {
+                    sum.fetch_add(landed.get(), Relaxed);
+                }
+            }
+        }
     }
 
     /// The window of the film.
@@ -137,6 +182,12 @@ impl PassBuffer {
         std::mem::take(self.rejected.get_mut())
     }
 
+    /// All sums added up.
+    #[cfg(test)]
+    pub(super) fn total(&self) -> i64 {
+        self.sums.iter().map(|sum| sum.load(Relaxed)).sum()
+    }
+
     /// Adds what has landed in another buffer of the same window and unit to the first channels.
     pub fn add_buffer(&mut self, other: &mut Self) {
         let (own, others) = (self.channels, other.channels);
@@ -155,6 +206,14 @@ impl PassBuffer {
             *sum.get_mut() = 0;
         }
         *self.rejected.get_mut() = 0;
+    }
+}
+
+impl Canvas for PassBuffer {
+    #[inline]
+    fn add<const N: usize>(&self, filter: &Filter, raster: Vec2, values: [f32; N]) {
+        let add = |x, y, steps| self.add_steps((x, y), steps);
+        self.split(filter, raster, values, add);
     }
 }
 

@@ -118,6 +118,8 @@ pub struct Filter {
     normalisation: f32,
     /// Whether the weights of each sample are made to add up to one.
     even: bool,
+    /// Whether each sample counts for its own pixel alone, with weight one.
+    is_pixel_box: bool,
 }
 
 impl Filter {
@@ -141,6 +143,7 @@ impl Filter {
                 radius,
                 normalisation,
                 even: false,
+                is_pixel_box: kind == FilterKind::Box { radius: 0.5 },
             };
             let even = (0..256).all(|i| plain.sum(i as f32 / 256.0) > 0.5);
             Self { even, ..plain }
@@ -154,6 +157,7 @@ impl Filter {
             radius: 0.5,
             normalisation: 1.0,
             even: true,
+            is_pixel_box: true,
         }
     }
 
@@ -165,7 +169,7 @@ impl Filter {
     /// True for the filter that keeps each sample in its own pixel.
     #[inline]
     pub fn is_pixel_box(&self) -> bool {
-        self.kind == FilterKind::Box { radius: 0.5 }
+        self.is_pixel_box
     }
 
     /// How many pixels beyond the film's edge hold samples that count for the film.

@@ -7,10 +7,12 @@
 mod accumulator;
 mod buffer;
 mod filter;
+mod tile;
 
 pub use accumulator::Accumulator;
-pub use buffer::{PassBuffer, Unit};
+pub use buffer::{Canvas, PassBuffer, Unit};
 pub use filter::{Filter, FilterKind, pixel_of};
+pub use tile::Tile;
 
 /// The pixels that are rendered: a window into the full film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +49,16 @@ impl Window {
     /// Number of pixels.
     pub const fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// Place of a pixel of the full film among those of the window, row by row; `None` outside of it.
+    #[inline]
+    fn index_of(&self, x: i32, y: i32) -> Option<usize> {
+        // Numbers below zero wrap to such as no film has.
+        let column = (x as u32).wrapping_sub(self.x);
+        let row = (y as u32).wrapping_sub(self.y);
+        (column < self.width && row < self.height)
+            .then(|| row as usize * self.width as usize + column as usize)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::pixel::PixelSettings;
 use crate::bsdf::BsdfModel;
 use crate::emitter::SceneBounds;
-use crate::film::{Layer, PassBuffer, Unit};
+use crate::film::{Canvas, Layer, Unit};
 use crate::math::{Vec2, Vec3};
 use crate::scene::Interaction;
 
@@ -96,7 +96,7 @@ pub(super) fn add_all(
     settings: &PixelSettings,
     first: Option<&Interaction<'_>>,
     raster: Vec2,
-    layers: &[PassBuffer],
+    layers: &[impl Canvas],
 ) {
     let filter = &settings.filter;
     for (aov, layer) in settings.aovs.iter().zip(layers) {

@@ -1,6 +1,7 @@
 //! Where camera samples lie, and the random numbers that belong to them.
 
 use super::pixel::PixelSettings;
+use crate::film::{PassBuffer, Tile};
 use crate::math::{Vec2, warp};
 use crate::random::{PixelAddress, Purpose, Sampler};
 use crate::sensor::{CameraRay, Sensor, SensorModel};
@@ -56,17 +57,51 @@ impl SampledWindow {
         self.width.div_ceil(BLOCK) * self.height.div_ceil(BLOCK)
     }
 
-    /// The pixels of a unit of work, row by row.
-    pub(super) fn pixels(self, unit: u32) -> impl ExactSizeIterator<Item = (i32, i32)> {
+    /// The block of pixels of a unit of work.
+    pub(super) fn block(&self, unit: u32) -> Block {
         let columns = self.width.div_ceil(BLOCK);
         let (left, top) = ((unit % columns) * BLOCK, (unit / columns) * BLOCK);
-        let width = (self.width - left).min(BLOCK);
-        let height = (self.height - top).min(BLOCK);
-        let (left, top) = (self.x + left as i32, self.y + top as i32);
-        (0..width * height).map(move |index| {
-            let (x, y) = (index % width, index / width);
-            (left + x as i32, top + y as i32)
+        let right = (left + BLOCK).min(self.width);
+        let bottom = (top + BLOCK).min(self.height);
+        Block {
+            low: (self.x + left as i32, self.y + top as i32),
+            high: (self.x + right as i32, self.y + bottom as i32),
+        }
+    }
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    /// Left column and top row, in pixels of the full film.
+    low: (i32, i32),
+    /// Those behind the last ones.
+    high: (i32, i32),
+}
+
+impl Block {
+    /// The pixels, row by row.
+    pub(super) fn pixels(self) -> impl ExactSizeIterator<Item = (i32, i32)> {
+        let ((left, top), (right, bottom)) = (self.low, self.high);
+        let (mut x, mut y) = (left, top);
+        (0..(right - left) * (bottom - top)).map(move |_| {
+            let pixel = (x, y);
+            x += 1;
+            if x == right {
+                (x, y) = (left, y + 1);
+            }
+            pixel
         })
+    }
+
+    /// A tile of a buffer: the block with pixels around it.
+    ///
+    /// - `is_sole`: as [`Tile::new`] has it.
+    pub(super) fn tile<'b>(&self, buffer: &'b PassBuffer, around: u32, is_sole: bool) -> Tile<'b> {
+        let around = around as i32;
+        let low = (self.low.0 - around, self.low.1 - around);
+        let high = (self.high.0 + around, self.high.1 + around);
+        Tile::new(buffer, (low, high), is_sole)
     }
 }
 

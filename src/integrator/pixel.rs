@@ -5,7 +5,7 @@ use super::aov::{self, Aov};
 use super::camera::{CameraSample, SampledWindow, mean_over_film, sample_of_film};
 use super::render::{Counters, Driver, Integrator};
 use crate::accel::{Hit, Ray};
-use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
+use crate::film::{Canvas, Filter, Layer, PassBuffer, Tile, Unit, Window};
 use crate::math::{Rgb, Vec2};
 use crate::random::{Purpose, Sampler, SamplerKind};
 use crate::scene::{Interaction, Scene};
@@ -174,7 +174,8 @@ impl<'s> PixelRender<'s> {
     /// Makes one camera sample in every pixel of a unit.
     fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
         let mut counters = Counters::default();
-        let pixels = self.sampled.pixels(unit);
+        let block = self.sampled.block(unit);
+        let pixels = block.pixels();
         let mut places = Vec::with_capacity(pixels.len());
         let mut samples = pixels.map(|pixel| {
             let sample =
@@ -186,8 +187,14 @@ impl<'s> PixelRender<'s> {
             .integrator
             .estimate_all(self.scene, &mut samples, &mut counters);
         counters.paths += estimates.len() as u64;
+        let filter = &self.settings.filter;
+        // Samples stay in their own pixels where the filter keeps them there.
+        let is_sole = filter.is_pixel_box();
+        let tiles = layers.iter();
+        let tiles = tiles.map(|layer| block.tile(layer, filter.border(), is_sole));
+        let tiles: Vec<_> = tiles.collect();
         for ((ray, raster), estimate) in places.iter().zip(&estimates) {
-            self.add((ray, *raster), estimate, layers, &mut counters);
+            self.add((ray, *raster), estimate, &tiles, &mut counters);
         }
         counters
     }
@@ -197,13 +204,13 @@ impl<'s> PixelRender<'s> {
         &self,
         (ray, raster): (&CameraRay, Vec2),
         estimate: &Estimate,
-        layers: &[PassBuffer],
+        layers: &[Tile<'_>],
         counters: &mut Counters,
     ) {
         let settings = &self.settings;
         let [r, g, b] = estimate.radiance.to_array();
         let mut layers = layers.iter();
-        let mut next_layer = || layers.next().expect("one buffer for each layer");
+        let mut next_layer = || layers.next().expect("one tile for each layer");
         if settings.alpha {
             next_layer().add(&settings.filter, raster, [r, g, b, estimate.alpha]);
         } else {

@@ -3,6 +3,7 @@
 //! Vectors are `glam`'s scalar `Vec2`/`Vec3` (f32), and [`lanes`] where four are dealt with at once: geometry
 //! is single precision, products along a path and sums are `f64`.
 
+mod angle;
 mod chart;
 mod cie;
 pub mod distribution;
@@ -17,6 +18,7 @@ pub mod statistics;
 mod transform;
 pub mod warp;
 
+pub use angle::angle_of;
 pub use chart::TriangleChart;
 pub use frame::{Frame, Local, rotation_part};
 pub use measure::{AreaDensity, SolidAngleDensity};

@@ -6,7 +6,7 @@
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::ops::{Add, Mul, Sub};
 
-use super::{Vec2, Vec3};
+use super::{Vec2, Vec3, angle_of};
 
 /// The largest `f32` below one: keeps uniform numbers inside `[0, 1)` after arithmetic.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -250,7 +250,7 @@ pub fn bilinear_density(point: Vec2, corners: [f32; 4]) -> f32 {
 /// Angle of a vector as a part of a full turn, in `[0, 1)`, from the x axis towards y.
 #[inline]
 pub fn turn(v: Vec2) -> f32 {
-    let part = v.y.atan2(v.x) / TAU;
+    let part = angle_of(v.x, v.y) / TAU;
     (if part < 0.0 { part + 1.0 } else { part }).min(ONE_MINUS_EPSILON)
 }
 

@@ -125,7 +125,7 @@ impl Mutate for CausticPerturbation {
         settings: &Perturbation,
         proposal: &mut Path,
         random: &mut Stream,
-    ) -> Result<(), Rejection> {
+    ) -> Result<f64, Rejection> {
         let head = head(proposal).ok_or(Rejection::SignatureChanged)?;
         // Before the lens moves: how far directions turn belongs to the path as it is.
         let angle = match settings.caustic {
@@ -157,7 +157,7 @@ impl Mutate for CausticPerturbation {
                 return Err(Rejection::NoWayBack);
             }
         }
-        Ok(())
+        Ok(self.factor(space, settings, proposal))
     }
 }
 

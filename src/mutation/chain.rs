@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::{
     BidirectionalMutation, Choose, Fault, Move, MoveStatistics, Mutate, Mutation, Perturbation,
+    fault,
 };
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
@@ -103,13 +104,18 @@ impl Chain {
         let raster = self.proposal.raster();
         let has_moved = proposed.is_ok() || raster != self.current.raster();
         self.tried = (has_moved && settings.domain.contains(raster)).then_some(raster);
-        if let Err(reason) = proposed {
-            statistics.reject(reason);
-            self.restore(Move::Perturbation(mutation));
-            return None;
-        }
+        let factor = match proposed {
+            Ok(factor) => factor,
+            Err(reason) => {
+                statistics.reject(reason);
+                self.restore(Move::Perturbation(mutation));
+                return None;
+            }
+        };
+        let again = || mutation.factor(space, settings, &self.proposal);
+        debug_assert_eq!(factor.to_bits(), again().to_bits());
         let value = self.proposal.value();
-        let target = mutation.target_of_value(space, settings, &self.proposal, value);
+        let target = fault::path_luminance(space, settings, &self.proposal, value) * factor;
         let choices = choice.ratio(space, &self.current, &self.proposal, mutation);
         let choices = settings.fault.keep(Fault::Choice, choices);
         let excess = if settings.fault.is(Fault::Ratio) {

@@ -7,6 +7,7 @@ use crate::emitter::EmitterClass;
 use crate::math::Vec3;
 use crate::path::{Event, Path, PathSpace, PathVertex};
 use crate::random::Stream;
+use crate::scene::Interaction;
 use crate::sensor::SensorModel;
 
 /// What happens at a finite vertex whose next vertex is specular.
@@ -49,7 +50,8 @@ pub(super) fn last_changed_behind_finite(path: &Path) -> Option<usize> {
 }
 
 /// Rebuilds vertices 1 to `last` of a proposal, which is a copy of the current path, from a moved
-/// raster position and lens point on, and connects the last one to what follows.
+/// raster position and lens point on, and connects the last one to what follows; returns
+/// [`connection_factor`] there.
 ///
 /// # Errors
 /// Why there is no such path; the proposal is then in disorder up to `last + 1`.
@@ -60,7 +62,7 @@ pub(super) fn rebuild(
     proposal: &mut Path,
     last: usize,
     random: &mut Stream,
-) -> Result<(), Rejection> {
+) -> Result<f64, Rejection> {
     let raster = proposal.raster() + settings.raster.offset(random.next_vec2());
     if !settings.domain.contains(raster) {
         return Err(Rejection::OffImage);
@@ -74,7 +76,7 @@ pub(super) fn rebuild(
     let mut index = 1;
     loop {
         if index == proposal.edges() {
-            return arrive_at_light(space, proposal, ray, index);
+            return arrive_at_light(space, proposal, ray, index).map(|()| 1.0);
         }
         let met = space.meet(ray, index == 1).ok_or(Rejection::Missed)?;
         let event = proposal.vertices()[index].event;
@@ -87,8 +89,7 @@ pub(super) fn rebuild(
                 return Err(Rejection::SignatureChanged);
             }
             if index == last {
-                let vertex = PathVertex::surface(&met, event);
-                return connect(space, proposal, (last, vertex), met.back);
+                return connect(space, settings, proposal, (last, &met));
             }
             let Some(redirect) = redirect else {
                 return Err(Rejection::SignatureChanged);
@@ -184,18 +185,23 @@ fn arrive_at_light(
     Ok(())
 }
 
-/// Connects a moved finite vertex to the next vertex of the path, which stays.
+/// Connects a moved finite vertex to the next vertex of the path, which stays; returns
+/// [`connection_factor`] there.
 ///
-/// - `from`: the moved vertex, which has its place in the path when all is well.
+/// - `last`, `met`: index of the moved vertex, and what is there; it has its place in the path when all is
+///   well.
+#[inline(always)]
 fn connect(
     space: &PathSpace<'_>,
+    settings: &Perturbation,
     proposal: &mut Path,
-    (last, mut from): (usize, PathVertex),
-    to_eye: Vec3,
-) -> Result<(), Rejection> {
+    (last, met): (usize, &Interaction<'_>),
+) -> Result<f64, Rejection> {
+    let mut from = PathVertex::surface(met, proposal.vertices()[last].event);
     let to = &proposal.vertices()[last + 1];
-    let (direction, _) = space.edge(&from, to).ok_or(Rejection::Dark)?;
-    from.value = space.finite_value(&from, to_eye, direction);
+    let edge = space.edge(&from, to).ok_or(Rejection::Dark)?;
+    let (direction, _) = edge;
+    from.value = space.finite_value(&from, met.back, direction);
     let value = match proposal.vertices().get(last + 2) {
         Some(after) => {
             let (to_light, _) = space.edge(to, after).ok_or(Rejection::Dark)?;
@@ -209,10 +215,11 @@ fn connect(
     if !space.is_visible(&from, to) {
         return Err(Rejection::Occluded);
     }
+    let factor = factor_of_edge(settings, edge, to);
     let vertices = proposal.vertices_mut();
     vertices[last] = from;
     vertices[last + 1].value = value;
-    Ok(())
+    Ok(factor)
 }
 
 /// Factor that turns a density of directions at the last moved vertex into one of what it is
@@ -227,14 +234,20 @@ pub(super) fn connection_factor(
     let Some(next) = path.vertices().get(last + 1) else {
         return 1.0;
     };
-    let factor = space.solid_angle_per_area(from, next);
-    match space.edge(from, next) {
-        Some((_, squared)) if settings.fault.is(Fault::ConnectionDistance) => {
-            factor * f64::from(squared)
-        }
-        Some((direction, _)) if settings.fault.is(Fault::ConnectionCosine) => {
-            factor / f64::from(next.geometric_cos(direction))
-        }
-        _ => factor,
-    }
+    let edge = space.edge(from, next);
+    edge.map_or(0.0, |edge| factor_of_edge(settings, edge, next))
+}
+
+/// [`connection_factor`] of an edge to a vertex that stays, see [`PathSpace::edge`].
+#[inline]
+fn factor_of_edge(
+    settings: &Perturbation,
+    (direction, squared): (Vec3, f32),
+    to: &PathVertex,
+) -> f64 {
+    let cos = f64::from(to.geometric_cos(direction));
+    let cos = settings.fault.keep(Fault::ConnectionCosine, cos);
+    cos / settings
+        .fault
+        .keep(Fault::ConnectionDistance, f64::from(squared))
 }

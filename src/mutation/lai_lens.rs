@@ -27,14 +27,7 @@ impl Mutate for LaiLensPerturbation {
         let Some(last) = last_moved(path, usize::MAX) else {
             return 0.0;
         };
-        let mut factor = connection_factor(space, settings, path, last);
-        for pair in path.vertices()[..=last].windows(2) {
-            if pair[0].event == Event::Finite && pair[1].event.is_dirac() {
-                let area = space.solid_angle_per_area(&pair[0], &pair[1]);
-                factor *= settings.fault.keep(Fault::Area, area);
-            }
-        }
-        factor
+        connection_factor(space, settings, path, last) * area_factor(space, settings, path, last)
     }
 
     #[inline]
@@ -44,8 +37,19 @@ impl Mutate for LaiLensPerturbation {
         settings: &Perturbation,
         proposal: &mut Path,
         random: &mut Stream,
-    ) -> Result<(), Rejection> {
+    ) -> Result<f64, Rejection> {
         let last = last_moved(proposal, usize::MAX).ok_or(Rejection::SignatureChanged)?;
-        rebuild(space, settings, Some(Redirect::Aim), proposal, last, random)
+        let factor = rebuild(space, settings, Some(Redirect::Aim), proposal, last, random)?;
+        Ok(factor * area_factor(space, settings, proposal, last))
     }
+}
+
+/// Solid angles, for each unit of area, of the vertices that stay while what is before them moves.
+fn area_factor(space: &PathSpace<'_>, settings: &Perturbation, path: &Path, last: usize) -> f64 {
+    let pairs = path.vertices()[..=last].windows(2);
+    pairs
+        .filter(|pair| pair[0].event == Event::Finite && pair[1].event.is_dirac())
+        .map(|pair| space.solid_angle_per_area(&pair[0], &pair[1]))
+        .map(|area| settings.fault.keep(Fault::Area, area))
+        .product()
 }

@@ -32,7 +32,7 @@ impl Mutate for LensPerturbation {
         settings: &Perturbation,
         proposal: &mut Path,
         random: &mut Stream,
-    ) -> Result<(), Rejection> {
+    ) -> Result<f64, Rejection> {
         let last = last_moved(proposal, 0).ok_or(Rejection::SignatureChanged)?;
         rebuild(space, settings, None, proposal, last, random)
     }

@@ -42,8 +42,6 @@ pub use ratio::{log_ratio_by_measure, log_ratio_by_rules, log_transition};
 pub use rejection::Rejection;
 pub use statistics::MutationStatistics;
 
-use glam::DVec3;
-
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
@@ -101,22 +99,12 @@ pub trait Mutate {
     /// symmetric; not negative.
     #[inline]
     fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        self.target_of_value(space, settings, path, path.value())
+        let luminance = fault::path_luminance(space, settings, path, path.value());
+        luminance * self.factor(space, settings, path)
     }
 
-    /// [`Mutate::target`] of a path whose [`Path::value`] is known.
-    #[inline]
-    fn target_of_value(
-        &self,
-        space: &PathSpace<'_>,
-        settings: &Perturbation,
-        path: &Path,
-        value: DVec3,
-    ) -> f64 {
-        fault::path_luminance(space, settings, path, value) * self.factor(space, settings, path)
-    }
-
-    /// Turns a copy of the current path into a proposal.
+    /// Turns a copy of the current path into a proposal; returns [`Mutate::factor`] there, most of
+    /// which the way to it has worked out.
     ///
     /// # Errors
     /// Why there is none; the copy is then in disorder up to [`Mutate::last_changed`].
@@ -126,7 +114,7 @@ pub trait Mutate {
         settings: &Perturbation,
         proposal: &mut Path,
         random: &mut Stream,
-    ) -> Result<(), Rejection>;
+    ) -> Result<f64, Rejection>;
 }
 
 /// Writes the enum of all mutations and forwards [`Mutate`] to its variants.
@@ -167,7 +155,7 @@ macro_rules! mutations {
                 settings: &Perturbation,
                 proposal: &mut Path,
                 random: &mut Stream,
-            ) -> Result<(), Rejection> {
+            ) -> Result<f64, Rejection> {
                 match self { $(Self::$variant => $model.propose(space, settings, proposal, random),)* }
             }
         }

@@ -37,7 +37,7 @@ impl Mutate for MultiChainPerturbation {
         settings: &Perturbation,
         proposal: &mut Path,
         random: &mut Stream,
-    ) -> Result<(), Rejection> {
+    ) -> Result<f64, Rejection> {
         let last = last_moved(proposal, usize::MAX).ok_or(Rejection::SignatureChanged)?;
         let redirect = Redirect::Turn(settings.angle);
         rebuild(space, settings, Some(redirect), proposal, last, random)

@@ -9,6 +9,7 @@ use crate::emitter::{EmitterClass, EmitterModel};
 use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::scene::{Interaction, Scene};
 use crate::sensor::{Sensor, SensorModel};
+use crate::shape::SurfacePoint;
 
 /// What counts as a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -225,15 +226,37 @@ impl<'s> PathSpace<'s> {
     /// `f_s · |n_s · ω_l|` of the finite lobes: radiance from `to_light` scattered to `to_eye`.
     #[inline]
     pub fn finite_value(&self, vertex: &PathVertex, to_eye: Vec3, to_light: Vec3) -> Rgb {
-        let Some(bsdf) = self.bsdf(vertex) else {
+        let object = vertex.object();
+        let Some(object) = object.and_then(|index| self.scene.objects().get(index)) else {
             return Rgb::BLACK;
         };
-        let frame = vertex.point.shading_frame();
+        let (bsdf, point) = (|| self.scene.bsdf(object.bsdf), &vertex.point);
+        match object.diffuse.filter(|_| !self.rules.strict_normals) {
+            // Cosines are enough: no frame is made.
+            Some(diffuse) => {
+                let normal = point.shading_normal;
+                let cosines = (to_eye.dot(normal), to_light.dot(normal));
+                diffuse.eval(cosines, bsdf, point.uv)
+            }
+            None => self.scattered_by_other(bsdf(), point, to_eye, to_light),
+        }
+    }
+
+    /// [`PathSpace::finite_value`] of materials that are not diffuse.
+    #[inline(never)]
+    fn scattered_by_other(
+        &self,
+        bsdf: &Bsdf,
+        point: &SurfacePoint,
+        to_eye: Vec3,
+        to_light: Vec3,
+    ) -> Rgb {
+        let frame = point.shading_frame();
         let (wi, wo) = (frame.to_local(to_eye), frame.to_local(to_light));
-        if !self.sides_agree(vertex, (wi, to_eye), (wo, to_light)) {
+        if !self.sides_agree(point, (wi, to_eye), (wo, to_light)) {
             return Rgb::BLACK;
         }
-        bsdf.eval(wi, wo, &vertex.point, Transport::Radiance)
+        bsdf.eval(wi, wo, point, Transport::Radiance)
     }
 
     /// Follows a Dirac event from the eye's side to the light's.
@@ -245,7 +268,7 @@ impl<'s> PathSpace<'s> {
         let wi = frame.to_local(to_eye);
         let found = self.dirac(vertex, event, wi, Transport::Radiance)?;
         let direction = frame.to_world(found.direction);
-        if !self.sides_agree(vertex, (wi, to_eye), (found.direction, direction)) {
+        if !self.sides_agree(&vertex.point, (wi, to_eye), (found.direction, direction)) {
             return None;
         }
         let cosines = vertex.geometric_cos(to_eye) / vertex.geometric_cos(direction);
@@ -317,8 +340,8 @@ impl<'s> PathSpace<'s> {
 
     /// False where `strict_normals` forbids a pair of directions, each given in both frames.
     #[inline]
-    fn sides_agree(&self, vertex: &PathVertex, a: (Local, Vec3), b: (Local, Vec3)) -> bool {
-        let normal = vertex.point.geometric_normal;
+    fn sides_agree(&self, point: &SurfacePoint, a: (Local, Vec3), b: (Local, Vec3)) -> bool {
+        let normal = point.geometric_normal;
         !self.rules.strict_normals || (is_same_side(normal, a) && is_same_side(normal, b))
     }
 

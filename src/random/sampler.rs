@@ -135,20 +135,19 @@ impl Sampler {
             pixel,
             sample,
         } = address;
-        let stream = Stream::new(seed, purpose, pixel, sample);
-        let group = sample / kind.group();
-        let scramble = match kind {
-            SamplerKind::Independent => 0,
-            // The salt keeps the groups of two purposes apart.
+        let (index, scramble) = match kind {
+            SamplerKind::Independent => (0, 0),
             SamplerKind::Stratified | SamplerKind::Sobol => {
+                // The salt keeps the groups of two purposes apart.
                 let salted = seed ^ (u64::from(purpose as u32) << 56);
-                Stream::new(salted, Purpose::Scramble, pixel, group).only_u32()
+                let group = Stream::new(salted, Purpose::Scramble, pixel, sample / kind.group());
+                (sample % kind.group(), group.only_u32())
             }
         };
         Self {
             kind,
-            stream,
-            index: sample % kind.group(),
+            stream: Stream::new(seed, purpose, pixel, sample),
+            index,
             scramble,
             dimension: 0,
         }

@@ -128,10 +128,12 @@ impl SceneBuilder {
         if let Shape::TriangleMesh(mesh) = &mut shape {
             self.prepared += mesh.prepare_points(MOST_PREPARED - self.prepared);
         }
+        let material = &self.bsdfs[bsdf.0 as usize];
         Object {
             shape: Arc::new(shape),
             bsdf,
-            lobes: self.bsdfs[bsdf.0 as usize].lobes(),
+            lobes: material.lobes(),
+            diffuse: material.sole_diffuse(),
             emitter: None,
         }
     }

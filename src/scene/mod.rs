@@ -14,7 +14,7 @@ pub use lights::{ChosenRay, ChosenSample, Lights};
 use std::sync::Arc;
 
 use crate::accel::{self, Accel, AccelError, Engine, Geometry, Hit, MemoryUse, Ray};
-use crate::bsdf::{Bsdf, LobeSet};
+use crate::bsdf::{Bsdf, LobeSet, SoleDiffuse};
 use crate::emitter::SceneBounds;
 use crate::math::Vec3;
 use crate::shape::{Placement, Shape, ShapeModel, SurfacePoint};
@@ -36,6 +36,8 @@ pub struct Object {
     pub bsdf: BsdfId,
     /// The lobes of that material.
     pub lobes: LobeSet,
+    /// All about that material, where it is diffuse.
+    pub diffuse: Option<SoleDiffuse>,
     /// What it emits.
     pub emitter: Option<EmitterId>,
 }

@@ -161,7 +161,7 @@ impl Perspective {
         let length = local.length();
         CameraRay {
             origin,
-            direction: self.rotation * (local / length),
+            direction: self.rotation * (local * (1.0 / length)),
             near: self.near * length,
             far: self.far * length,
         }

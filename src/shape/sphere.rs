@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::affine::{axes_and_origin, check_circular};
 use super::{Derivatives, ShapeError, ShapeHit, ShapeModel, SurfacePoint, as_direction};
 use crate::accel::Geometry;
-use crate::math::{AreaDensity, Frame, Mat3, Mat4, SolidAngleDensity, Vec2, Vec3, warp};
+use crate::math::{AreaDensity, Frame, Mat3, Mat4, SolidAngleDensity, Vec2, Vec3, angle_of, warp};
 
 /// An exact sphere.
 ///
@@ -102,7 +102,7 @@ impl Sphere {
             },
             uv: Vec2::new(
                 warp::turn(local.truncate()),
-                from_axis.atan2(local.z) * FRAC_1_PI,
+                angle_of(local.z, from_axis) * FRAC_1_PI,
             ),
             error: SurfacePoint::error_bound(extent),
         }

@@ -1,6 +1,6 @@
 //! What each technique brings, in layers of their own.
 
-use crate::film::{Filter, Layer, PassBuffer};
+use crate::film::{Canvas, Filter, Layer, PassBuffer};
 use crate::path::Connection;
 
 /// Layers that are made on demand.

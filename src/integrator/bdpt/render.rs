@@ -2,7 +2,7 @@
 
 use super::Bdpt;
 use super::layers::TechniqueLayers;
-use crate::film::{Layer, PassBuffer, Unit, Window};
+use crate::film::{Canvas, Layer, PassBuffer, Unit, Window};
 use crate::integrator::aov;
 use crate::integrator::camera::{
     CameraSample, SampledWindow, mean_over_film, pixel_index, sample_of_film,
@@ -150,7 +150,7 @@ impl<'s> BidirectionalRender<'s> {
     fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
         let mut worker = self.worker();
         let mut counters = Counters::default();
-        for pixel in self.film.pixels(unit) {
+        for pixel in self.film.block(unit).pixels() {
             let is_sampled = self.sampled.contains(pixel);
             if is_sampled || self.tracing.techniques.light_image {
                 self.run_pixel(pass, pixel, is_sampled, (&mut worker, layers));

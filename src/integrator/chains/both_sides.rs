@@ -2,7 +2,7 @@
 
 use super::ChainFilm;
 use crate::emitter::EmitterModel;
-use crate::film::PassBuffer;
+use crate::film::{Canvas, PassBuffer};
 use crate::integrator::camera::{CameraSample, pixel_index};
 use crate::math::Vec2;
 use crate::path::{Bidirection, Bidirectional, Connection, Found, LightImage, Path, PathSpace};

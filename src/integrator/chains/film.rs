@@ -2,9 +2,9 @@
 
 use super::energy::MeanEnergy;
 use super::{Places, SeedOptions};
-use crate::film::{Filter, Layer, PassBuffer, Unit};
+use crate::film::{Canvas, Filter, Layer, PassBuffer, Tile, Unit};
 use crate::integrator::aov;
-use crate::integrator::camera::{CameraSample, SampledWindow};
+use crate::integrator::camera::{Block, CameraSample, SampledWindow};
 use crate::integrator::metropolis::Importance;
 use crate::integrator::pixel::PixelSettings;
 use crate::math::{Rgb, Vec2, warp};
@@ -13,6 +13,10 @@ use crate::path::{Found, Path, PathSpace, PathTracing, camera_sample};
 use crate::random::{Numbers, Purpose, SamplerKind};
 use crate::scene::Scene;
 use crate::sensor::{CameraRay, Sensor, SensorModel};
+
+/// How far chains go from where they begin, in pixels, most of the time: a hundred moves by nine pixels at most
+/// are 26 pixels along an axis in the root of the mean square.
+const ROAM: u32 = 24;
 
 /// Everything of a render that does not depend on how chains run.
 pub(in crate::integrator) struct ChainFilm<'s> {
@@ -39,6 +43,8 @@ pub(in crate::integrator) struct ChainFilm<'s> {
 pub(in crate::integrator) struct Landing<'a> {
     filter: &'a Filter,
     redistributed: &'a PassBuffer,
+    /// The part of it where most of the energy lands.
+    tile: Option<&'a Tile<'a>>,
     filtered: Option<&'a PassBuffer>,
     proposals: Option<&'a PassBuffer>,
     acceptance: Option<&'a PassBuffer>,
@@ -57,6 +63,14 @@ impl<'a> Landing<'a> {
         }
     }
 
+    /// The same by way of a tile of what chains make, see [`ChainFilm::tile`].
+    pub(in crate::integrator) fn on_tile(self, tile: &'a Tile<'a>) -> Self {
+        Self {
+            tile: Some(tile),
+            ..self
+        }
+    }
+
     /// Lets energy of a colour land.
     ///
     /// - `energy`: as luminance; the second number goes to the filtered layer.
@@ -66,7 +80,10 @@ impl<'a> Landing<'a> {
         let energy = (energy.0 / weight, energy.1 / weight);
         if energy.0 > 0.0 {
             let value = (colour * energy.0 as f32).to_array();
-            self.redistributed.add(self.filter, raster, value);
+            match self.tile {
+                Some(tile) => tile.add(self.filter, raster, value),
+                None => self.redistributed.add(self.filter, raster, value),
+            }
         }
         if let Some(filtered) = self.filtered.filter(|_| energy.1 > 0.0) {
             let value = (colour * energy.1 as f32).to_array();
@@ -178,12 +195,22 @@ impl<'s> ChainFilm<'s> {
         Landing {
             filter: &self.settings.filter,
             redistributed: &layers[places.redistributed],
+            tile: None,
             filtered: layer(places.filtered),
             proposals: layer(places.proposals),
             acceptance: layer(places.acceptance),
             importance: None,
             consecutive_limit: self.seeds.noise_filter.consecutive_limit(),
         }
+    }
+
+    /// A tile of what chains make, where chains of a block's pixels are most of the time.
+    pub(in crate::integrator) fn tile<'b>(
+        &self,
+        block: Block,
+        layers: &'b [PassBuffer],
+    ) -> Tile<'b> {
+        block.tile(&layers[self.places.redistributed], ROAM, false)
     }
 
     /// Traces the camera sample of a pixel, and the further ones of direct light; hands out every path whose

@@ -2,7 +2,7 @@
 
 use super::Erpt;
 use crate::energy::FlowRule;
-use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
+use crate::film::{Canvas, Filter, Layer, PassBuffer, Unit, Window};
 use crate::integrator::camera::pixel_index;
 use crate::integrator::chains::{ChainFilm, Kernel, PathWalker};
 use crate::integrator::pixel::PixelSettings;
@@ -73,11 +73,13 @@ impl<'s> ErptRender<'s> {
             render: self,
             choice: ChoiceAt::default(),
         };
-        let landing = film.landing(layers);
+        let block = film.sampled.block(unit);
+        let tile = film.tile(block, layers);
+        let landing = film.landing(layers).on_tile(&tile);
         let mut walker = PathWalker::new(landing, &space, kernel, self.rule.levels());
         let mut path = Path::default();
         let mut counters = Counters::default();
-        for pixel in film.sampled.pixels(unit) {
+        for pixel in block.pixels() {
             let index = pixel_index(&film.settings, pixel.0, pixel.1);
             walker.draw_from(Stream::new(film.settings.seed, Purpose::Chain, index, pass));
             let mut chains = 0;

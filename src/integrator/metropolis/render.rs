@@ -190,7 +190,7 @@ impl<'s, S: Sampling> MetropolisRender<'s, S> {
         let space = self.film.space();
         let mut path = Path::default();
         let mut counters = Counters::default();
-        for pixel in self.film.sampled.pixels(unit) {
+        for pixel in self.film.sampled.block(unit).pixels() {
             let workers = (&space, &mut path);
             self.film.sample_apart(pixel, pass, workers, layers);
             counters.paths += 1;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Mlt;
 use super::kernel::MltKernel;
 use crate::energy::{Walker, run_chain};
-use crate::film::Filter;
+use crate::film::{Canvas, Filter};
 use crate::integrator::chains::{ChainFilm, PathWalker};
 use crate::integrator::metropolis::{ChainPlan, Sampling, Seed, counted};
 use crate::integrator::render::Counters;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Mmlt;
 use super::evaluation::{Evaluator, Shown, Technique};
-use crate::film::Filter;
+use crate::film::{Canvas, Filter};
 use crate::integrator::chains::Landing;
 use crate::integrator::metropolis::{
     ChainPlan, PrimaryNumbers, PrimaryOptions, Sampling, Seed, counted,

@@ -3,7 +3,7 @@
 use super::map::KernelMap;
 use super::{Adaptation, Density, PmcEr};
 use crate::energy::{AcceptanceTally, choose_kernel, kernel_weights};
-use crate::film::{Filter, PassBuffer};
+use crate::film::{Canvas, Filter, PassBuffer};
 use crate::integrator::chains::{Kernel, Places};
 use crate::math::Vec2;
 use crate::mutation::{

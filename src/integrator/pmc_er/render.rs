@@ -9,7 +9,7 @@ use super::map::KernelMap;
 use super::pool::Pool;
 use super::{Adaptation, PmcEr};
 use crate::energy::{Account, Births, Member, Population, PopulationRule};
-use crate::film::{Filter, Layer, PassBuffer, Unit, Window};
+use crate::film::{Canvas, Filter, Layer, PassBuffer, Unit, Window};
 use crate::integrator::camera::pixel_index;
 use crate::integrator::chains::{ChainFilm, PathWalker, Pause};
 use crate::integrator::pixel::PixelSettings;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::evaluation::{Evaluation, Evaluator, Wanted};
 use super::{Pssmlt, Target};
-use crate::film::Filter;
+use crate::film::{Canvas, Filter};
 use crate::integrator::chains::Landing;
 use crate::integrator::metropolis::{ChainPlan, PrimaryNumbers, Sampling, Seed, counted};
 use crate::integrator::render::Counters;

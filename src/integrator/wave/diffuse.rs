@@ -42,12 +42,12 @@ impl<'s> DiffuseVertex<'s> {
         if object.emitter.is_some() || !mesh.is_plain() {
             return None;
         }
-        let (diffuse, is_two_sided) = scene.bsdf(object.bsdf).as_diffuse()?;
+        let diffuse = object.diffuse?;
         let uv = || mesh.uv_at(hit.primitive, Vec2::new(hit.u, hit.v));
         Some(Self {
             walk,
-            is_two_sided,
-            reflectance: diffuse.reflectance_at(uv),
+            is_two_sided: diffuse.is_two_sided,
+            reflectance: diffuse.reflectance(|| scene.bsdf(object.bsdf), uv),
             mesh,
             ray,
             hit,
