@@ -7,7 +7,7 @@ use std::path::Path as FilePath;
 use std::sync::atomic::AtomicBool;
 
 use allocation_counter::measure;
-use lumiflow::film::{Accumulator, Filter, Layer, PassBuffer, Unit, Window};
+use lumiflow::film::{Accumulator, Canvas, Filter, Layer, PassBuffer, Unit, Window};
 use lumiflow::image::{ExrOptions, Precision};
 use lumiflow::integrator::{self, Counters, Driver, PixelSettings, Progress, Rendered};
 use lumiflow::math::Vec2;

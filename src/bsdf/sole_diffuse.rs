@@ -80,7 +80,7 @@ fn varying_reflectance(bsdf: &Bsdf, uv: Vec2) -> Rgb {
 mod tests {
     use super::*;
     use crate::bsdf::{BsdfModel, Conductor, Transport, TwoSided};
-    use crate::math::{Local, warp};
+    use crate::math::{Local, Mat3, warp};
     use crate::shape::{ShapeModel, TriangleMesh, primitives};
     use crate::texture::Checkerboard;
 
@@ -96,7 +96,8 @@ mod tests {
     fn values_are_those_of_the_material() {
         let mesh = TriangleMesh::from(primitives::rectangle());
         let (at, _) = mesh.sample_area(Vec2::new(0.3, 0.9));
-        let board = || Diffuse::new(Checkerboard::examples().pop().unwrap());
+        let squares = |colours| Checkerboard::new(colours, Mat3::from_scale(Vec2::splat(5.0)));
+        let board = || Diffuse::new(squares([Rgb::new(0.8, 0.3, 0.1), Rgb::grey(0.2)]));
         let all = [
             Bsdf::from(grey()),
             board().into(),

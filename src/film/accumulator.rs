@@ -186,7 +186,7 @@ fn square(sum: i128, passes: u32) -> i128 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Filter, Window};
+    use crate::film::{Canvas, Filter, Window};
     use crate::math::Vec2;
 
     fn accumulate(values: &[f32], passes_per_replica: Option<u32>) -> Accumulator {

@@ -152,7 +152,7 @@ fn needs_float(layer: &Layer) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{self, Filter, PassBuffer, Unit};
+    use crate::film::{self, Canvas, Filter, PassBuffer, Unit};
     use crate::image::Image;
     use crate::integrator::Counters;
     use crate::math::Vec2;

@@ -167,7 +167,7 @@ fn normalise(weights: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Filter, Unit, Window};
+    use crate::film::{Canvas, Filter, Unit, Window};
 
     #[test]
     fn noise_draws_chains() {
