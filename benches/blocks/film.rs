@@ -1,7 +1,7 @@
 //! Estimates that land on the film.
 
 use criterion::{Criterion, Throughput};
-use lumiflow::film::{Filter, FilterKind, PassBuffer, Unit, Window};
+use lumiflow::film::{Canvas, Filter, FilterKind, PassBuffer, Unit, Window};
 use lumiflow::math::Vec2;
 use lumiflow::random::{Purpose, Stream};
 
