@@ -63,6 +63,23 @@ impl FilterKind {
 
     /// Value at `x` pixels from the centre, up to a constant factor; zero outside of the radius.
     fn shape(self, x: f32) -> f32 {
+        self.shape_above(self.edge(), x)
+    }
+
+    /// What is taken off a shape that does not end at zero.
+    fn edge(self) -> f32 {
+        match self {
+            Self::Gaussian { stddev } => {
+                let alpha = -0.5 / (stddev * stddev);
+                (alpha * self.radius() * self.radius()).exp()
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// [`FilterKind::shape`], given [`FilterKind::edge`].
+    #[inline]
+    fn shape_above(self, edge: f32, x: f32) -> f32 {
         let x = x.abs();
         if x > self.radius() {
             return 0.0;
@@ -72,7 +89,6 @@ impl FilterKind {
             Self::Tent { radius } => 1.0 - x / radius,
             Self::Gaussian { stddev } => {
                 let alpha = -0.5 / (stddev * stddev);
-                let edge = (alpha * self.radius() * self.radius()).exp();
                 ((alpha * x * x).exp() - edge).max(0.0)
             }
             Self::Mitchell { b, c } => cubic(x, b, c),
@@ -115,6 +131,8 @@ fn sinc(x: f32) -> f32 {
 pub struct Filter {
     kind: FilterKind,
     radius: f32,
+    /// [`FilterKind::edge`].
+    edge: f32,
     normalisation: f32,
     /// Whether the weights of each sample are made to add up to one.
     even: bool,
@@ -122,11 +140,14 @@ pub struct Filter {
     is_pixel_box: bool,
 }
 
+/// Largest radius of a filter, in pixels.
+const LARGEST_RADIUS: f32 = 64.0;
+
 impl Filter {
     /// Makes the filter; `None` when a parameter leaves nothing to weigh with.
     pub fn new(kind: FilterKind) -> Option<Self> {
         let radius = kind.radius();
-        if !(radius.is_finite() && radius > 0.0 && radius <= 64.0) {
+        if !(radius.is_finite() && radius > 0.0 && radius <= LARGEST_RADIUS) {
             return None;
         }
         // Midpoints: the kinks of all kinds lie on cell edges of a grid of this fineness.
@@ -141,6 +162,7 @@ impl Filter {
             let plain = Self {
                 kind,
                 radius,
+                edge: kind.edge(),
                 normalisation,
                 even: false,
                 is_pixel_box: kind == FilterKind::Box { radius: 0.5 },
@@ -155,6 +177,7 @@ impl Filter {
         Self {
             kind: FilterKind::Box { radius: 0.5 },
             radius: 0.5,
+            edge: 0.0,
             normalisation: 1.0,
             even: true,
             is_pixel_box: true,
@@ -180,7 +203,7 @@ impl Filter {
     /// Weight along one axis at `x` pixels from the centre of a pixel.
     #[inline]
     pub fn weight(&self, x: f32) -> f32 {
-        self.kind.shape(x) * self.normalisation
+        self.kind.shape_above(self.edge, x) * self.normalisation
     }
 
     /// Calls `add(x, y, weight)` for every pixel that a sample at `raster` counts for.
@@ -192,17 +215,46 @@ impl Filter {
             let (x, y) = pixel_of(raster);
             return add(x, y, 1.0);
         }
+        // Most filters reach seven pixels at most.
+        if self.radius <= 3.0 {
+            self.spread::<7>(raster, add);
+        } else {
+            self.spread::<{ 2 * LARGEST_RADIUS as usize + 1 }>(raster, add);
+        }
+    }
+
+    /// [`Filter::for_each_pixel`] for a filter that reaches no more than `MOST` pixels along an axis.
+    #[inline]
+    fn spread<const MOST: usize>(&self, raster: Vec2, mut add: impl FnMut(i32, i32, f32)) {
+        let (first_x, along_x) = self.weights::<MOST>(raster.x);
+        let (first_y, along_y) = self.weights::<MOST>(raster.y);
+        let sum = |weights: &Weights<MOST>| weights.iter().sum::<f32>();
         let scale = if self.even {
-            1.0 / (self.sum(raster.x) * self.sum(raster.y))
+            1.0 / (sum(&along_x) * sum(&along_y))
         } else {
             1.0
         };
-        for y in self.reach(raster.y) {
-            let along_y = scale * self.weight(y as f32 + 0.5 - raster.y);
-            for x in self.reach(raster.x) {
-                add(x, y, along_y * self.weight(x as f32 + 0.5 - raster.x));
+        for (y, weight_y) in (first_y..).zip(along_y.iter()) {
+            let along_y = scale * weight_y;
+            for (x, weight_x) in (first_x..).zip(along_x.iter()) {
+                add(x, y, along_y * weight_x);
             }
         }
+    }
+
+    /// The first pixel, along one axis, that a sample at `place` counts for, and the weights from there on.
+    #[inline]
+    fn weights<const MOST: usize>(&self, place: f32) -> (i32, Weights<MOST>) {
+        let pixels = self.reach(place);
+        let mut weights = Weights {
+            values: [0.0; MOST],
+            count: 0,
+        };
+        for (value, pixel) in weights.values.iter_mut().zip(pixels.clone()) {
+            *value = self.weight(pixel as f32 + 0.5 - place);
+            weights.count += 1;
+        }
+        (*pixels.start(), weights)
     }
 
     /// The pixels, along one axis, that a sample at `place` counts for.
@@ -214,11 +266,24 @@ impl Filter {
     }
 
     /// Sum of the weights of a sample at `place` along one axis.
-    #[inline]
     fn sum(&self, place: f32) -> f32 {
-        self.reach(place)
+        let weights = self.reach(place);
+        weights
             .map(|pixel| self.weight(pixel as f32 + 0.5 - place))
             .sum()
+    }
+}
+
+/// Weights of pixels along an axis.
+struct Weights<const MOST: usize> {
+    values: [f32; MOST],
+    count: usize,
+}
+
+impl<const MOST: usize> Weights<MOST> {
+    #[inline]
+    fn iter(&self) -> impl Iterator<Item = f32> {
+        self.values[..self.count].iter().copied()
     }
 }
 

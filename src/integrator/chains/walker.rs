@@ -4,7 +4,7 @@ use std::mem;
 
 use glam::DVec3;
 
-use super::film::Landing;
+use super::Landing;
 use crate::energy::Walker;
 use crate::film::pixel_of;
 use crate::math::{Rgb, Vec2};
