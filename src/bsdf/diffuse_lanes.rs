@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use crate::math::lanes::{self, LaneMask, Lanes, Vec3Lanes};
 
-/// [`Diffuse`] in each lane, on one or on both sides, as seen from directions.
+/// [`Diffuse`](super::Diffuse) in each lane, on one or on both sides, as seen from directions.
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseLanes {
     /// Shares of light reflected.
