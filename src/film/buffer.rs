@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 
-use super::{Filter, Window, pixel_of};
+use super::{Filter, Window};
 use crate::math::{Rgb, Vec2};
 
 /// Value of one step of a layer's fixed-point numbers: a power of two.
@@ -90,10 +90,6 @@ impl PassBuffer {
         if !steps.iter().all(|steps| steps.abs() < LARGEST_ESTIMATE) {
             self.rejected.fetch_add(1, Relaxed);
             return;
-        }
-        if filter.is_pixel_box() {
-            let (x, y) = pixel_of(raster);
-            return add(x, y, steps.map(rounded));
         }
         filter.for_each_pixel(raster, |x, y, weight| {
             let weight = f64::from(weight);

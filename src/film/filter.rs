@@ -143,6 +143,9 @@ pub struct Filter {
 /// Largest radius of a filter, in pixels.
 const LARGEST_RADIUS: f32 = 64.0;
 
+/// How many pixels it reaches along an axis, at most.
+const MOST_PIXELS: usize = 2 * LARGEST_RADIUS as usize + 1;
+
 impl Filter {
     /// Makes the filter; `None` when a parameter leaves nothing to weigh with.
     pub fn new(kind: FilterKind) -> Option<Self> {
@@ -167,7 +170,8 @@ impl Filter {
                 even: false,
                 is_pixel_box: kind == FilterKind::Box { radius: 0.5 },
             };
-            let even = (0..256).all(|i| plain.sum(i as f32 / 256.0) > 0.5);
+            let sum = |place| plain.weights::<MOST_PIXELS>(place).1.sum();
+            let even = (0..256).all(|i| sum(i as f32 / 256.0) > 0.5);
             Self { even, ..plain }
         })
     }
@@ -219,7 +223,7 @@ impl Filter {
         if self.radius <= 3.0 {
             self.spread::<7>(raster, add);
         } else {
-            self.spread::<{ 2 * LARGEST_RADIUS as usize + 1 }>(raster, add);
+            self.spread::<MOST_PIXELS>(raster, add);
         }
     }
 
@@ -228,9 +232,8 @@ impl Filter {
     fn spread<const MOST: usize>(&self, raster: Vec2, mut add: impl FnMut(i32, i32, f32)) {
         let (first_x, along_x) = self.weights::<MOST>(raster.x);
         let (first_y, along_y) = self.weights::<MOST>(raster.y);
-        let sum = |weights: &Weights<MOST>| weights.iter().sum::<f32>();
         let scale = if self.even {
-            1.0 / (sum(&along_x) * sum(&along_y))
+            1.0 / (along_x.sum() * along_y.sum())
         } else {
             1.0
         };
@@ -264,14 +267,6 @@ impl Filter {
         let last = (place + self.radius - 0.5).floor() as i32;
         first..=last
     }
-
-    /// Sum of the weights of a sample at `place` along one axis.
-    fn sum(&self, place: f32) -> f32 {
-        let weights = self.reach(place);
-        weights
-            .map(|pixel| self.weight(pixel as f32 + 0.5 - place))
-            .sum()
-    }
 }
 
 /// Weights of pixels along an axis.
@@ -284,6 +279,11 @@ impl<const MOST: usize> Weights<MOST> {
     #[inline]
     fn iter(&self) -> impl Iterator<Item = f32> {
         self.values[..self.count].iter().copied()
+    }
+
+    #[inline]
+    fn sum(&self) -> f32 {
+        self.iter().sum()
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use super::warp::select;
+
 /// The angle from the x axis to `(x, y)` in radians, in `[−π, π]`; as [`f32::atan2`] to 3e-7, without a call and
 /// without a branch. Zero for the origin.
 ///
@@ -29,13 +31,6 @@ pub fn angle_of(x: f32, y: f32) -> f32 {
     let eighth = slope + slope * sum;
     let quarter = select(across > along, FRAC_PI_2 - eighth, eighth);
     select(x < 0.0, PI - quarter, quarter).copysign(y)
-}
-
-/// One of two numbers. By their bits: the compiler would make a branch of anything else.
-#[inline]
-fn select(first: bool, then: f32, otherwise: f32) -> f32 {
-    let mask = u32::from(first).wrapping_neg();
-    f32::from_bits(then.to_bits() & mask | otherwise.to_bits() & !mask)
 }
 
 #[cfg(test)]

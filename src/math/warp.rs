@@ -67,17 +67,18 @@ pub fn uniform_disk(u: Vec2) -> Vec2 {
 }
 
 /// Two numbers, in the other order where asked.
-///
-/// By their bits: the compiler makes a branch of anything else, and which wedge a point falls into cannot
-/// be foreseen.
 #[inline]
 fn swapped_if(swap: bool, a: f32, b: f32) -> (f32, f32) {
-    let (a, b) = (a.to_bits(), b.to_bits());
-    let difference = (a ^ b) & u32::from(swap).wrapping_neg();
-    (
-        f32::from_bits(a ^ difference),
-        f32::from_bits(b ^ difference),
-    )
+    (select(swap, b, a), select(swap, a, b))
+}
+
+/// One of two numbers.
+///
+/// By their bits: the compiler makes a branch of anything else, and which one it will be often cannot be foreseen.
+#[inline]
+pub(super) fn select(first: bool, then: f32, otherwise: f32) -> f32 {
+    let mask = u32::from(first).wrapping_neg();
+    f32::from_bits(then.to_bits() & mask | otherwise.to_bits() & !mask)
 }
 
 /// Sine and cosine of an angle of at most an eighth of a turn either way, to 1e-7: of one, or of one in each

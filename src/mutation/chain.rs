@@ -112,8 +112,11 @@ impl Chain {
                 return None;
             }
         };
-        let again = || mutation.factor(space, settings, &self.proposal);
-        debug_assert_eq!(factor.to_bits(), again().to_bits());
+        debug_assert_eq!(
+            factor.to_bits(),
+            mutation.factor(space, settings, &self.proposal).to_bits(),
+            "the factor is that of the proposal"
+        );
         let value = self.proposal.value();
         let target = fault::path_luminance(space, settings, &self.proposal, value) * factor;
         let choices = choice.ratio(space, &self.current, &self.proposal, mutation);

@@ -13,8 +13,8 @@ use crate::random::{Numbers, Purpose, SamplerKind};
 use crate::scene::Scene;
 use crate::sensor::{CameraRay, Sensor, SensorModel};
 
-/// How far chains go from where they begin, in pixels, most of the time: a hundred moves by nine pixels at most
-/// are 26 pixels along an axis in the root of the mean square.
+/// How far around a block chains keep a tile, in pixels. A hundred moves, uniform in a square of nine pixels, end 26
+/// pixels away along an axis in the root of the mean square.
 const ROAM: u32 = 24;
 
 /// Everything of a render that does not depend on how chains run.
@@ -127,7 +127,7 @@ impl<'s> ChainFilm<'s> {
         }
     }
 
-    /// A tile of what chains make, where chains of a block's pixels are most of the time.
+    /// A tile of what chains make: a block's pixels, and those around where its chains go.
     pub(in crate::integrator) fn tile<'b>(
         &self,
         block: Block,
