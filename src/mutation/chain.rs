@@ -112,11 +112,8 @@ impl Chain {
                 return None;
             }
         };
-        debug_assert_eq!(
-            factor.to_bits(),
-            mutation.factor(space, settings, &self.proposal).to_bits(),
-            "the factor is that of the proposal"
-        );
+        let again = || mutation.factor(space, settings, &self.proposal);
+        debug_assert_eq!(factor.to_bits(), again().to_bits());
         let value = self.proposal.value();
         let target = fault::path_luminance(space, settings, &self.proposal, value) * factor;
         let choices = choice.ratio(space, &self.current, &self.proposal, mutation);
