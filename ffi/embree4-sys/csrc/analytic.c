@@ -2,9 +2,9 @@
  *
  * Everything is computed in double precision from the ray's single-precision numbers, so a hit is
  * as good from a million units away, or from the inside next to the surface, as from nearby, and
- * no square of a float overflows. The quadratics use the ray's closest point to the centre (or
- * axis) instead of b*b - a*c, which cancels for far origins. The interval is Embree's own for
- * triangles in robust scenes: near <= distance <= far. */
+ * no square of a float overflows. The quadratics use the ray's distance from the centre (or axis)
+ * instead of b*b - a*c, which cancels for far origins. The interval is Embree's own for triangles
+ * in robust scenes: near <= distance <= far. */
 #include "shim.h"
 
 #include <float.h>
@@ -66,17 +66,23 @@ static void advance(const double origin[3], const double direction[3], double di
 static bool cross_sphere(const struct ShimShape *shape, const struct RTCRay *ray,
                          struct Crossing *crossing)
 {
-    double origin[3], direction[3], nearest[3];
+    double origin[3], direction[3];
     relative_ray(shape, ray, origin, direction);
     double squared_length = dot(direction, direction);
-    double middle = -dot(origin, direction) / squared_length;
-    advance(origin, direction, middle, nearest);
-    double chord_squared = shape->radius * shape->radius - dot(nearest, nearest);
+    /* Twice the area of the triangle (centre, origin, origin + direction): distance from the centre
+     * times length. */
+    const double area[3] = {origin[1] * direction[2] - origin[2] * direction[1],
+                            origin[2] * direction[0] - origin[0] * direction[2],
+                            origin[0] * direction[1] - origin[1] * direction[0]};
+    double chord_squared = shape->radius * shape->radius * squared_length - dot(area, area);
+    /* Most rays that miss have not divided, nor taken a root. */
     if (!(chord_squared >= 0.0))
         return false;
-    double half_chord = sqrt(chord_squared / squared_length);
+    double half_chord = sqrt(chord_squared);
+    double middle = -dot(origin, direction);
+    double scale = 1.0 / squared_length;
     for (int side = -1; side <= 1; side += 2) {
-        double root = middle + side * half_chord;
+        double root = (middle + side * half_chord) * scale;
         if (accept(ray, root, crossing)) {
             advance(origin, direction, root, crossing->position);
             return true;
