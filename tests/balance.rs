@@ -41,7 +41,7 @@ struct Only {
 impl Only {
     fn applies(&self, path: &Path) -> bool {
         let is_meant = !self.is_caustic || CausticPerturbation::is_caustic(path);
-        is_meant && self.mutation.last_changed(path).is_some()
+        is_meant && self.mutation.site(path).is_some()
     }
 
     /// Chance of being chosen where it applies.

@@ -81,7 +81,7 @@ struct Only(Mutation);
 
 impl Choose for Only {
     fn choose(&self, path: &Path, _: f32) -> Option<Mutation> {
-        self.0.last_changed(path).map(|_| self.0)
+        self.0.site(path).map(|_| self.0)
     }
 
     fn density(&self, _: &PathSpace<'_>, _: &Path, _: &Path, _: Mutation) -> f64 {
@@ -150,7 +150,8 @@ impl Comparison {
         settings: &Perturbation,
         (x, y): (&Path, &Path),
     ) {
-        let target = |path| mutation.target(space, settings, path);
+        let site = mutation.site(x).expect("the mutation applies");
+        let target = |path| mutation.target(space, settings, path, site);
         let target = (target(y) / target(x)).ln();
         if !target.is_finite() {
             return;

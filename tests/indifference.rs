@@ -84,7 +84,8 @@ fn chain_of(space: &PathSpace<'_>, seed: &Path, sample: u32) -> Vec<[u64; 4]> {
         let Move::Perturbation(mutation) = proposed.made_by else {
             panic!("no other move was asked for");
         };
-        let target = mutation.target(space, &moves(), chain.proposal());
+        let site = mutation.site(seed).expect("the mutation applies");
+        let target = mutation.target(space, &moves(), chain.proposal(), site);
         let raster = chain.proposal().raster().as_dvec2();
         let numbers = [target, proposed.acceptance, raster.x, raster.y];
         bits.push(numbers.map(f64::to_bits));

@@ -77,7 +77,7 @@ fn seed_for(space: &PathSpace<'_>, mutation: Mutation) -> Option<Path> {
             &mut |found| {
                 let fits = found
                     .path
-                    .filter(|path| mutation.last_changed(path).is_some() && path.edges() > 2);
+                    .filter(|path| mutation.site(path).is_some() && path.edges() > 2);
                 seed = fits.cloned().or(seed.take());
             },
         );

@@ -1,8 +1,10 @@
 //! Paths are what they say, whatever made them: the path tracer, or a long chain of mutations.
 
 use lumiflow::math::Vec3;
-use lumiflow::mutation::{CausticPerturbation, Chain, Choice, Choose, Mutation};
-use lumiflow::path::{Claim, Path, Tolerance};
+use lumiflow::mutation::{
+    BidirectionalMutation, CausticPerturbation, Chain, Choice, Choose, Mutation, Proposed,
+};
+use lumiflow::path::{Claim, Path, PathSpace, Tolerance};
 use lumiflow::random::{Purpose, Stream};
 
 use crate::support::effort::samples;
@@ -86,6 +88,58 @@ fn chains_go_to_paths_that_are_what_they_say() {
     }
     println!("accepted states: {totals:?}");
     assert!(totals.iter().all(|total| *total >= 10_000), "{totals:?}");
+}
+
+/// One step of a chain that mixes all mutations, those that change the length of a path too.
+fn any_proposal(
+    chain: &mut Chain,
+    space: &PathSpace<'_>,
+    bidirectional: &mut BidirectionalMutation,
+    random: &mut Stream,
+) -> Option<Proposed> {
+    if random.next_f32() < 0.1 {
+        let mutation = (bidirectional, |_: &Path| 1.0);
+        return chain.propose_bidirectional(space, &moves(), mutation, random);
+    }
+    let choice = Choice {
+        weights: [1.0; Mutation::COUNT],
+        by_rule: false,
+    };
+    chain.propose(space, &moves(), &choice, random)
+}
+
+#[test]
+fn a_proposal_keeps_nothing_of_those_before() {
+    let mut made = [0_u32; Mutation::COUNT + 1];
+    for stage in stages() {
+        let space = space(&stage);
+        let (mut path, mut chain, mut afresh) = Default::default();
+        let mut bidirectional = BidirectionalMutation::new(1, 8);
+        for sample in 0..samples(60) {
+            let mut random = numbers(33, sample);
+            trace(&space, &TRACING, (33, sample), &mut path, &mut |found| {
+                let Some(seed) = found.path else { return };
+                Chain::start(&mut chain, seed);
+                for _ in 0..LENGTH {
+                    Chain::start(&mut afresh, chain.current());
+                    let mut same = random.clone();
+                    let again = any_proposal(&mut afresh, &space, &mut bidirectional, &mut same);
+                    let found = any_proposal(&mut chain, &space, &mut bidirectional, &mut random);
+                    let what = format!("{} {}", stage.name, seed.signature());
+                    assert_eq!(found, again, "{what}");
+                    assert_eq!(chain.tried(), afresh.tried(), "{what}");
+                    let Some(proposed) = found else { continue };
+                    // All that there is of a path, each number to the bit.
+                    let all = |path: &Path| format!("{} {:?}", path.raster(), path.vertices());
+                    assert_eq!(all(chain.proposal()), all(afresh.proposal()), "{what}");
+                    made[proposed.made_by.index()] += 1;
+                    let is_accepted = f64::from(random.next_f32()) < proposed.acceptance;
+                    chain.settle(proposed, is_accepted);
+                }
+            });
+        }
+    }
+    assert!(made.iter().all(|count| *count > 100), "{made:?}");
 }
 
 #[test]

@@ -88,22 +88,24 @@ fn cell_z(
     stream: &mut Stream,
 ) -> Vec<f64> {
     let count = samples(250_000);
-    let last = mutation.last_changed(from).expect("the mutation applies");
+    let site = mutation.site(from).expect("the mutation applies");
     let mut sums = vec![(0.0, 0.0); cells.len()];
     let mut proposal = from.clone();
     for _ in 0..count {
-        let proposed = mutation.propose(space, settings, &mut proposal, stream);
+        let paths = (from, &mut proposal);
+        let proposed = mutation.propose(space, settings, site, paths, stream);
         for ((sum, square), (_, is_inside)) in sums.iter_mut().zip(cells) {
             if proposed.is_err() || !is_inside(&proposal) {
                 continue;
             }
             let density = log_transition(mutation, space, settings, (from, &proposal));
             let density = density.unwrap_or_else(|| panic!("{mutation:?} made what it cannot"));
-            let weight = dirac_edges(mutation, space, &proposal, last) / density.exp();
+            let edges = dirac_edges(mutation, space, &proposal, site.last_changed);
+            let weight = edges / density.exp();
             *sum += weight;
             *square += weight * weight;
         }
-        proposal.copy_prefix(from, last);
+        proposal.set_raster(from.raster());
     }
     let count = f64::from(count);
     let z = |((sum, square), (measure, _)): (&(f64, f64), &(f64, _))| {
@@ -147,9 +149,10 @@ fn check(
     let space = space(&stage);
     let x = path_of(&space, signature);
     let mut y = x.clone();
+    let site = mutation.site(&x).expect("the mutation applies");
     let proposed = (0..1_000).any(|_| {
         y.copy_from(&x);
-        let proposed = mutation.propose(&space, &settings, &mut y, stream);
+        let proposed = mutation.propose(&space, &settings, site, (&x, &mut y), stream);
         proposed.is_ok() && is_in_the_middle(&y)
     });
     assert!(proposed, "{signature}");
@@ -255,10 +258,12 @@ fn points_of_the_lens_move_by_a_disk() {
     from.vertices_mut()[0].point.position = middle;
     let old = space.sensor.lens_coordinates(middle);
     let mut proposal = from.clone();
+    let site = Mutation::Lens.site(&from).expect("the mutation applies");
     let mut rejected = 0_u32;
     let point = || {
         proposal.copy_from(&from);
-        let proposed = Mutation::Lens.propose(&space, &settings, &mut proposal, &mut stream);
+        let paths = (&from, &mut proposal);
+        let proposed = Mutation::Lens.propose(&space, &settings, site, paths, &mut stream);
         rejected += u32::from(proposed.is_err());
         proposed.ok()?;
         let new = space

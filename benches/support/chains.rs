@@ -41,7 +41,7 @@ impl<'s> Start<'s> {
     pub(crate) fn new(scene: &'s Scene, sensor: &'s Sensor, mutation: Option<Mutation>) -> Self {
         let space = PathSpace::new(scene, sensor, PathRules::default());
         let seeds = seeds(&space, |path| match mutation {
-            Some(mutation) => mutation.last_changed(path).is_some(),
+            Some(mutation) => mutation.site(path).is_some(),
             None => true,
         });
         assert_eq!(seeds.len(), SEEDS, "seeds are frequent");

@@ -4,7 +4,10 @@ use std::hint::black_box;
 
 use cpu_time::ThreadTime;
 use lumiflow::accel::{Hit, Query, Ray, Tally};
-use lumiflow::scene::{Interaction, Scene};
+use lumiflow::math::Vec3;
+use lumiflow::path::PathVertex;
+use lumiflow::scene::Scene;
+use lumiflow::shape::SurfacePoint;
 
 use crate::passes::Passes;
 use crate::recorded::Recorded;
@@ -95,22 +98,21 @@ fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     (start.elapsed().as_secs_f64(), found)
 }
 
-/// Counts a surface; what a path would ask of it is computed.
+/// Counts a hit; the surface there is computed, and where a path would keep it.
 #[inline(always)]
-fn add(tally: &mut Tally, surface: &Interaction<'_>) {
-    tally.add(Some(surface.distance));
-    black_box(surface.point.position);
-    black_box(surface.point.geometric_normal);
-    black_box(surface.point.shading_normal);
-    black_box(surface.point.error);
+fn add(tally: &mut Tally, scene: &Scene, (ray, hit): (&Ray, &Hit), point: &mut SurfacePoint) {
+    tally.add(Some(hit.distance));
+    scene.put_surface(ray, hit, point);
+    black_box(point);
 }
 
 #[inline(never)]
 fn surfaces(scene: &Scene, rays: &[Ray]) -> Tally {
     let mut tally = Tally::default();
+    let mut point = PathVertex::sensor(Vec3::ZERO).point;
     for ray in rays {
-        if let Some(surface) = scene.intersect(ray) {
-            add(&mut tally, &surface);
+        if let Some(hit) = scene.hit(ray) {
+            add(&mut tally, scene, (ray, &hit), &mut point);
         }
     }
     tally
@@ -138,19 +140,20 @@ fn occluded(scene: &Scene, rays: &[Ray]) -> Tally {
 fn surfaces_as_asked(scene: &Scene, recorded: &Recorded) -> Tally {
     let mut tally = Tally::default();
     let mut hits: Vec<Option<Hit>> = Vec::new();
+    let mut point = PathVertex::sensor(Vec3::ZERO).point;
     for (query, rays) in recorded.calls.calls() {
         match (query, rays) {
             (Query::Occlusion, _) => {}
             (Query::Closest, [ray]) => {
-                if let Some(surface) = scene.intersect(ray) {
-                    add(&mut tally, &surface);
+                if let Some(hit) = scene.hit(ray) {
+                    add(&mut tally, scene, (ray, &hit), &mut point);
                 }
             }
             (Query::Closest, rays) => {
                 scene.accel().intersect_all(rays, &mut hits);
                 for (ray, hit) in rays.iter().zip(&hits) {
                     if let Some(hit) = hit {
-                        add(&mut tally, &scene.interaction(ray, hit));
+                        add(&mut tally, scene, (ray, hit), &mut point);
                     }
                 }
             }

@@ -2,10 +2,10 @@
 
 use super::fault;
 use super::kernel::{AngleKernel, turned};
-use super::{Fault, Mutate, Perturbation, Rejection};
+use super::{Fault, Mutate, Perturbation, Rejection, Site};
 use crate::accel::Ray;
 use crate::emitter::EmitterClass;
-use crate::math::Vec3;
+use crate::math::{Rgb, Vec3};
 use crate::path::{Event, Path, PathSpace, PathVertex, VertexKind};
 use crate::random::Stream;
 use crate::sensor::SensorModel;
@@ -81,16 +81,24 @@ impl CausticPerturbation {
 
 impl Mutate for CausticPerturbation {
     #[inline]
-    fn last_changed(&self, path: &Path) -> Option<usize> {
-        head(path)
+    fn site(&self, path: &Path) -> Option<Site> {
+        head(path).map(|head| Site {
+            pivot: head,
+            last_changed: head,
+        })
     }
 
     /// In the coordinates of the direction at the head and the point of the lens: with `h` the head and
     /// `θ_h`, `φ_1` angles to geometric normals,
     /// `L_e or f_s · |cos θ_h| · Π coefficients · f_s(y_1) · |cos φ_1| / d² · pixels per steradian`.
-    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        let Some(head) = head(path) else { return 0.0 };
-        let vertices = path.vertices();
+    fn factor(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        site: Site,
+    ) -> f64 {
+        let (head, vertices) = (site.pivot, path.vertices());
         let edge = |from: usize, to: usize| space.edge(&vertices[from], &vertices[to]);
         let (Some((out, _)), Some((in_1, _)), Some((seen, distance_squared))) =
             (edge(head, head - 1), edge(1, 2), edge(0, 1))
@@ -123,27 +131,30 @@ impl Mutate for CausticPerturbation {
         &self,
         space: &PathSpace<'_>,
         settings: &Perturbation,
-        proposal: &mut Path,
+        site: Site,
+        (current, proposal): (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
-        let head = head(proposal).ok_or(Rejection::SignatureChanged)?;
+        let (head, old) = (site.pivot, current.vertices());
         // Before the lens moves: how far directions turn belongs to the path as it is.
         let angle = match settings.caustic {
             CausticKernel::Logarithmic(kernel) => kernel.angle(random.next_f32()),
             CausticKernel::Pixels {
                 pixels,
                 angle_of_pixel,
-            } => random.next_f32() * largest_angle(space, proposal, head, pixels * angle_of_pixel),
+            } => random.next_f32() * largest_angle(space, current, head, pixels * angle_of_pixel),
         };
         if angle > LARGEST_TURN {
             return Err(Rejection::NoWayBack);
         }
-        super::lens_point::perturb(space, settings, proposal, random)?;
-        let mut ray = leave_head(space, proposal, head, (angle, random.next_f32()))?;
+        let lens = super::lens_point::perturb(space, settings, old[0].position(), random)?;
+        let (value, mut ray) = leave_head(space, old, head, (angle, random.next_f32()))?;
+        proposal.vertices_mut()[head].value = value;
         for index in (2..head).rev() {
-            ray = pass(space, proposal, index, &ray)?;
+            let vertex = &mut proposal.vertices_mut()[index];
+            ray = pass(space, (vertex, old[index].event), ray)?;
         }
-        connect(space, proposal, &ray)?;
+        connect(space, (proposal, lens), ray)?;
         if !settings.domain.contains(proposal.raster()) {
             return Err(Rejection::OffImage);
         }
@@ -157,18 +168,17 @@ impl Mutate for CausticPerturbation {
                 return Err(Rejection::NoWayBack);
             }
         }
-        Ok(self.factor(space, settings, proposal))
+        Ok(self.factor(space, settings, proposal, site))
     }
 }
 
-/// Turns the direction at the head.
+/// Turns the direction at the head; returns its value and the ray that leaves it.
 fn leave_head(
     space: &PathSpace<'_>,
-    proposal: &mut Path,
+    vertices: &[PathVertex],
     head: usize,
     (angle, azimuth): (f32, f32),
-) -> Result<Ray, Rejection> {
-    let vertices = proposal.vertices_mut();
+) -> Result<(Rgb, Ray), Rejection> {
     let (old, _) = space
         .edge(&vertices[head], &vertices[head - 1])
         .ok_or(Rejection::Dark)?;
@@ -184,49 +194,53 @@ fn leave_head(
     if value.is_black() {
         return Err(Rejection::Dark);
     }
-    vertices[head].value = value;
-    Ok(match vertices[head].kind {
-        VertexKind::Surface => space.leave(&vertices[head], direction),
-        _ => Ray::new(vertices[head].position(), direction),
-    })
+    let ray = match vertex.kind {
+        VertexKind::Surface => space.leave(vertex, direction),
+        _ => Ray::new(vertex.position(), direction),
+    };
+    Ok((value, ray))
 }
 
-/// Follows a Dirac event towards the eye.
+/// Follows a Dirac event towards the eye; returns the ray that leaves it.
+///
+/// - `vertex`: becomes that of the event.
 fn pass(
     space: &PathSpace<'_>,
-    proposal: &mut Path,
-    index: usize,
-    ray: &Ray,
+    (vertex, event): (&mut PathVertex, Event),
+    ray: Ray,
 ) -> Result<Ray, Rejection> {
-    let met = space.meet(*ray, false).ok_or(Rejection::Missed)?;
-    let event = proposal.vertices()[index].event;
-    let mut vertex = PathVertex::surface(&met, event);
+    let met = space.meet_at(ray, false, event, vertex);
+    met.ok_or(Rejection::Missed)?;
     let followed = space
-        .follow_back(&vertex, event, met.back)
+        .follow_back(vertex, event, -ray.direction())
         .ok_or(Rejection::SignatureChanged)?;
     vertex.value = followed.value;
     vertex.adjoint = followed.adjoint;
-    proposal.vertices_mut()[index] = vertex;
-    Ok(space.leave(&vertex, followed.direction))
+    Ok(space.leave(vertex, followed.direction))
 }
 
-/// Makes the first finite vertex and connects it to the lens.
-fn connect(space: &PathSpace<'_>, proposal: &mut Path, ray: &Ray) -> Result<(), Rejection> {
-    let met = space.meet(*ray, false).ok_or(Rejection::Missed)?;
-    if !met.lobes.finite {
+/// Makes the first finite vertex and connects it to a point of the lens.
+fn connect(
+    space: &PathSpace<'_>,
+    (proposal, lens): (&mut Path, Vec3),
+    ray: Ray,
+) -> Result<(), Rejection> {
+    let vertices = proposal.vertices_mut();
+    let met = space.meet_at(ray, false, Event::Finite, &mut vertices[1]);
+    if !met.ok_or(Rejection::Missed)?.lobes.finite {
         return Err(Rejection::SignatureChanged);
     }
-    let mut vertex = PathVertex::surface(&met, Event::Finite);
-    let mut lens = proposal.vertices()[0];
-    lens.point.position = space.sensor.lens_before(vertex.position(), lens.position());
-    proposal.vertices_mut()[0] = lens;
-    let (seen, _): (Vec3, f32) = space.edge(&lens, &vertex).ok_or(Rejection::Dark)?;
-    vertex.value = space.finite_value(&vertex, -seen, met.back);
-    if vertex.value.is_black() {
+    let lens = space.sensor.lens_before(vertices[1].position(), lens);
+    vertices[0] = PathVertex::sensor(lens);
+    let (seen, _) = space
+        .edge(&vertices[0], &vertices[1])
+        .ok_or(Rejection::Dark)?;
+    let value = space.finite_value(&vertices[1], -seen, -ray.direction());
+    if value.is_black() {
         return Err(Rejection::Dark);
     }
-    let raster = space.seen_at(&vertex, &lens);
+    vertices[1].value = value;
+    let raster = space.seen_at(&vertices[1], &vertices[0]);
     proposal.set_raster(raster.ok_or(Rejection::OffImage)?);
-    proposal.vertices_mut()[1] = vertex;
     Ok(())
 }

@@ -1,10 +1,12 @@
 //! One Markov chain of paths.
 
+use std::mem;
+
 use glam::DVec3;
 
 use super::{
     BidirectionalMutation, Choose, Fault, Move, MoveStatistics, Mutate, Mutation, Perturbation,
-    fault,
+    Site, fault,
 };
 use crate::math::Vec2;
 use crate::path::{Path, PathSpace};
@@ -25,28 +27,41 @@ pub struct Proposed {
 
 /// A chain of paths: the current one, a proposal, and what is known about them.
 ///
-/// All memory is here: nothing is allocated while the chain runs. Between two mutations the proposal
-/// equals the current path, so that a mutation rewrites only what it changes.
+/// All memory is here: nothing is allocated while the chain runs. A mutation rewrites only what it changes,
+/// so that a proposal needs to be a copy of the current path no further than there; accepting one exchanges
+/// the two.
 #[derive(Clone, Debug, Default)]
 pub struct Chain {
-    current: Path,
-    proposal: Path,
+    current: Box<Path>,
+    proposal: Box<Path>,
+    /// What the proposal and the current path differ in.
+    difference: Difference,
     /// Targets of the current path in the coordinates of each mutation, as far as they are known.
     targets: [Option<f64>; Mutation::COUNT],
-    /// [`Mutate::last_changed`] of each mutation, as far as it is known: the same for all paths that
-    /// perturbations make of one.
-    last_changed: [Option<Option<usize>>; Mutation::COUNT],
+    /// [`Mutate::site`] of each mutation, as far as it is known: the same for all paths that perturbations
+    /// make of one.
+    sites: [Option<Option<Site>>; Mutation::COUNT],
     /// Where the last mutation tried to go on the image.
     tried: Option<Vec2>,
     /// What became of the mutations so far.
     pub statistics: MoveStatistics,
 }
 
+/// What a proposal and the current path differ in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Difference {
+    /// All that there is.
+    #[default]
+    All,
+    /// What a mutation changes.
+    Of(Mutation),
+}
+
 impl Chain {
     /// Starts at a path.
     pub fn start(&mut self, seed: &Path) {
         self.current.copy_from(seed);
-        self.proposal.copy_from(seed);
+        self.difference = Difference::All;
         self.forget();
     }
 
@@ -54,7 +69,7 @@ impl Chain {
     #[inline]
     fn forget(&mut self) {
         self.targets = [None; Mutation::COUNT];
-        self.last_changed = [None; Mutation::COUNT];
+        self.sites = [None; Mutation::COUNT];
     }
 
     /// The current path.
@@ -63,7 +78,7 @@ impl Chain {
         &self.current
     }
 
-    /// The last proposal.
+    /// The last proposal, until it is settled.
     #[inline]
     pub fn proposal(&self) -> &Path {
         &self.proposal
@@ -97,22 +112,23 @@ impl Chain {
             return None;
         }
         let mutation = choice.choose(&self.current, random.next_f32())?;
-        let statistics = &mut self.statistics[mutation as usize];
+        let site = self.site(mutation)?;
         let here = *self.targets[mutation as usize]
-            .get_or_insert_with(|| mutation.target(space, settings, &self.current));
-        let proposed = mutation.propose(space, settings, &mut self.proposal, random);
+            .get_or_insert_with(|| mutation.target(space, settings, &self.current, site));
+        self.prepare(mutation);
+        let paths = (&*self.current, &mut *self.proposal);
+        let proposed = mutation.propose(space, settings, site, paths, random);
         let raster = self.proposal.raster();
         let has_moved = proposed.is_ok() || raster != self.current.raster();
         self.tried = (has_moved && settings.domain.contains(raster)).then_some(raster);
         let factor = match proposed {
             Ok(factor) => factor,
             Err(reason) => {
-                statistics.reject(reason);
-                self.restore(Move::Perturbation(mutation));
+                self.statistics[mutation as usize].reject(reason);
                 return None;
             }
         };
-        let again = || mutation.factor(space, settings, &self.proposal);
+        let again = || mutation.factor(space, settings, &self.proposal, site);
         debug_assert_eq!(factor.to_bits(), again().to_bits());
         let value = self.proposal.value();
         let target = fault::path_luminance(space, settings, &self.proposal, value) * factor;
@@ -132,11 +148,7 @@ impl Chain {
             0.0
         };
         self.statistics[mutation as usize].propose(acceptance);
-        if acceptance == 0.0 {
-            self.restore(Move::Perturbation(mutation));
-            return None;
-        }
-        Some(Proposed {
+        (acceptance > 0.0).then_some(Proposed {
             made_by: Move::Perturbation(mutation),
             acceptance,
             value,
@@ -158,14 +170,14 @@ impl Chain {
         if !settings.domain.contains(self.current.raster()) {
             return None;
         }
-        let paths = (&self.current, &mut self.proposal);
+        let paths = (&*self.current, &mut *self.proposal);
+        self.difference = Difference::All;
         let made = mutation.propose(space, settings, paths, random);
         let statistics = &mut self.statistics[Move::Bidirectional.index()];
         let ratio = match made {
             Ok(ratio) => ratio * chance(&self.proposal) / chance(&self.current),
             Err(reason) => {
                 statistics.reject(reason);
-                self.restore(Move::Bidirectional);
                 return None;
             }
         };
@@ -177,11 +189,7 @@ impl Chain {
             0.0
         };
         statistics.propose(acceptance);
-        if acceptance == 0.0 {
-            self.restore(Move::Bidirectional);
-            return None;
-        }
-        Some(Proposed {
+        (acceptance > 0.0).then(|| Proposed {
             made_by: Move::Bidirectional,
             acceptance,
             value: self.proposal.value(),
@@ -193,42 +201,40 @@ impl Chain {
     #[inline]
     pub fn settle(&mut self, proposed: Proposed, is_accepted: bool) {
         if !is_accepted {
-            return self.restore(proposed.made_by);
+            return;
         }
         let index = proposed.made_by.index();
         self.statistics[index].accepted += 1;
+        mem::swap(&mut self.current, &mut self.proposal);
         match proposed.made_by {
-            Move::Perturbation(mutation) => {
-                if let Some(last) = self.last_changed(mutation) {
-                    self.current.copy_prefix(&self.proposal, last);
-                }
+            Move::Perturbation(_) => {
                 self.targets = [None; Mutation::COUNT];
                 self.targets[index] = proposed.target;
             }
-            _ => {
-                self.current.copy_from(&self.proposal);
-                self.forget();
-            }
+            _ => self.forget(),
         }
     }
 
-    /// Makes the proposal equal to the current path again.
+    /// Makes a copy of the current path of the proposal, apart from what a mutation changes anyway.
     #[inline]
-    fn restore(&mut self, made_by: Move) {
-        match made_by {
-            Move::Perturbation(mutation) => {
-                if let Some(last) = self.last_changed(mutation) {
-                    self.proposal.copy_prefix(&self.current, last);
+    fn prepare(&mut self, mutation: Mutation) {
+        match self.difference {
+            Difference::Of(other) if other == mutation => {}
+            Difference::Of(other) => {
+                if let Some(site) = self.site(other) {
+                    self.proposal.copy_prefix(&self.current, site.last_changed);
                 }
             }
-            _ => self.proposal.copy_from(&self.current),
+            Difference::All => self.proposal.copy_from(&self.current),
         }
+        self.proposal.set_raster(self.current.raster());
+        self.difference = Difference::Of(mutation);
     }
 
-    /// [`Mutate::last_changed`] at the current path.
+    /// [`Mutate::site`] at the current path.
     #[inline]
-    fn last_changed(&mut self, mutation: Mutation) -> Option<usize> {
+    fn site(&mut self, mutation: Mutation) -> Option<Site> {
         let current = &self.current;
-        *self.last_changed[mutation as usize].get_or_insert_with(|| mutation.last_changed(current))
+        *self.sites[mutation as usize].get_or_insert_with(|| mutation.site(current))
     }
 }

@@ -48,7 +48,7 @@ impl Choice {
     fn applicable(&self, path: &Path) -> [f32; Mutation::COUNT] {
         let mut weights = self.weights;
         for (weight, mutation) in weights.iter_mut().zip(Mutation::ALL) {
-            if *weight > 0.0 && mutation.last_changed(path).is_none() {
+            if *weight > 0.0 && mutation.site(path).is_none() {
                 *weight = 0.0;
             }
         }

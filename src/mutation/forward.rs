@@ -1,13 +1,12 @@
 //! Rebuilding a path from the sensor: what lens, multi-chain and Lai lens perturbation share.
 
 use super::kernel::{AngleKernel, turned};
-use super::{Fault, Perturbation, Rejection};
+use super::{Fault, Perturbation, Rejection, Site};
 use crate::accel::Ray;
 use crate::emitter::EmitterClass;
 use crate::math::Vec3;
 use crate::path::{Event, Path, PathSpace, PathVertex};
 use crate::random::Stream;
-use crate::scene::Interaction;
 use crate::sensor::SensorModel;
 
 /// What happens at a finite vertex whose next vertex is specular.
@@ -40,74 +39,78 @@ pub(super) fn last_moved(path: &Path, mut passes: usize) -> Option<usize> {
     (!vertices.last().is_some_and(is_beam)).then_some(path.edges())
 }
 
-/// Index of the last vertex that changes, where a finite vertex with a specular one behind it is passed;
-/// `None` for paths that the lens perturbation alone rebuilds.
-pub(super) fn last_changed_behind_finite(path: &Path) -> Option<usize> {
+/// The site of a mutation whose last moved vertex is connected to the next one, where there is one.
+pub(super) fn site_up_to(path: &Path, last: usize) -> Site {
+    Site {
+        pivot: last,
+        last_changed: (last + 1).min(path.edges()),
+    }
+}
+
+/// The site where a finite vertex with a specular one behind it is passed; `None` for paths that the lens
+/// perturbation alone rebuilds.
+pub(super) fn site_behind_finite(path: &Path) -> Option<Site> {
     if last_moved(path, 0).is_some() {
         return None;
     }
-    Some((last_moved(path, usize::MAX)? + 1).min(path.edges()))
+    Some(site_up_to(path, last_moved(path, usize::MAX)?))
 }
 
-/// Rebuilds vertices 1 to `last` of a proposal, which is a copy of the current path, from a moved
-/// raster position and lens point on, and connects the last one to what follows; returns
-/// [`connection_factor`] there.
+/// Rebuilds vertices 1 to `last` of a proposal from a moved raster position and lens point on, and connects
+/// the last one to what follows; returns [`connection_factor`] there.
+///
+/// - `paths`: the current path, and the proposal, which needs to be a copy of it behind `last` alone, and
+///   in its number of vertices.
 ///
 /// # Errors
-/// Why there is no such path; the proposal is then in disorder up to `last + 1`.
+/// Why there is no such path.
 pub(super) fn rebuild(
     space: &PathSpace<'_>,
     settings: &Perturbation,
     redirect: Option<Redirect>,
-    proposal: &mut Path,
-    last: usize,
+    ((current, proposal), last): ((&Path, &mut Path), usize),
     random: &mut Stream,
 ) -> Result<f64, Rejection> {
-    let raster = proposal.raster() + settings.raster.offset(random.next_vec2());
+    let raster = current.raster() + settings.raster.offset(random.next_vec2());
     if !settings.domain.contains(raster) {
         return Err(Rejection::OffImage);
     }
     proposal.set_raster(raster);
-    super::lens_point::perturb(space, settings, proposal, random)?;
-    let origin = proposal.vertices()[0].position();
+    let old = current.vertices();
+    let origin = super::lens_point::perturb(space, settings, old[0].position(), random)?;
     let camera_ray = space.sensor.camera_ray(raster, origin);
     proposal.vertices_mut()[0].point.position = camera_ray.origin;
     let mut ray = camera_ray.to_ray();
     let mut index = 1;
     loop {
-        if index == proposal.edges() {
-            return arrive_at_light(space, proposal, ray, index).map(|()| 1.0);
+        if index + 1 == old.len() {
+            let light = arrive_at_light(space, ray, (old[index].event, index == 1))?;
+            proposal.vertices_mut()[index] = light;
+            return Ok(1.0);
         }
-        let met = space.meet(ray, index == 1).ok_or(Rejection::Missed)?;
-        let event = proposal.vertices()[index].event;
+        let (event, vertex) = (old[index].event, &mut proposal.vertices_mut()[index]);
+        let object = space.meet_at(ray, index == 1, event, vertex);
+        let (object, to_eye) = (object.ok_or(Rejection::Missed)?, -ray.direction());
         if event.is_dirac() {
-            let vertex = &mut proposal.vertices_mut()[index];
-            *vertex = PathVertex::surface(&met, event);
-            ray = pass(space, vertex, met.back)?;
+            ray = pass(space, vertex, to_eye)?;
         } else {
-            if !met.lobes.finite {
+            if !object.lobes.finite {
                 return Err(Rejection::SignatureChanged);
             }
             if index == last {
-                return connect(space, settings, proposal, (last, &met));
+                return connect(space, settings, (old, proposal), (last, to_eye));
             }
             let Some(redirect) = redirect else {
                 return Err(Rejection::SignatureChanged);
             };
-            let mut vertex = PathVertex::surface(&met, event);
-            ray = scatter(
-                space,
-                (redirect, settings.fault),
-                proposal,
-                (index, &mut vertex, met.back),
-                random,
-            )?;
-            proposal.vertices_mut()[index] = vertex;
+            let turn = (redirect, settings.fault);
+            let edge = [&old[index], &old[index + 1]];
+            ray = scatter(space, turn, edge, (vertex, to_eye), random)?;
         }
         index += 1;
         if event == Event::Finite && redirect == Some(Redirect::Aim) {
             // The next vertex stays; only what it does with the new direction changes.
-            let mut next = proposal.vertices()[index];
+            let mut next = old[index];
             ray = pass(space, &mut next, -ray.direction())?;
             proposal.vertices_mut()[index] = next;
             index += 1;
@@ -126,15 +129,15 @@ fn pass(space: &PathSpace<'_>, vertex: &mut PathVertex, to_eye: Vec3) -> Result<
 }
 
 /// Sends a finite vertex's path on to a specular vertex.
+///
+/// - `old`, `next`: the vertex and the specular one on the current path.
 fn scatter(
     space: &PathSpace<'_>,
     (redirect, fault): (Redirect, Fault),
-    current: &Path,
-    (index, vertex, to_eye): (usize, &mut PathVertex, Vec3),
+    [old, next]: [&PathVertex; 2],
+    (vertex, to_eye): (&mut PathVertex, Vec3),
     random: &mut Stream,
 ) -> Result<Ray, Rejection> {
-    // Both ends are still those of the current path.
-    let (old, next) = (&current.vertices()[index], &current.vertices()[index + 1]);
     let direction = match redirect {
         Redirect::Turn(kernel) => {
             let from = if fault.is(Fault::Aim) { &*vertex } else { old };
@@ -156,16 +159,17 @@ fn scatter(
     Ok(space.leave(vertex, direction))
 }
 
-/// Ends a path that reaches its light by a ray.
+/// The end of a path that reaches its light by a ray.
+///
+/// - `from_sensor`: whether it is the first ray.
 fn arrive_at_light(
     space: &PathSpace<'_>,
-    proposal: &mut Path,
     ray: Ray,
-    index: usize,
-) -> Result<(), Rejection> {
-    let met = space.meet(ray, index == 1);
+    (event, from_sensor): (Event, bool),
+) -> Result<PathVertex, Rejection> {
+    let met = space.meet(ray, from_sensor);
     let lights = space.scene.lights();
-    let light = match (proposal.vertices()[index].event, met) {
+    let light = match (event, met) {
         (Event::Emission(EmitterClass::Environment), None) => {
             let toward = ray.direction();
             let id = lights.environment().ok_or(Rejection::Missed)?;
@@ -181,28 +185,28 @@ fn arrive_at_light(
     if light.value.is_black() {
         return Err(Rejection::Dark);
     }
-    proposal.vertices_mut()[index] = light;
-    Ok(())
+    Ok(light)
 }
 
 /// Connects a moved finite vertex to the next vertex of the path, which stays; returns
 /// [`connection_factor`] there.
 ///
-/// - `last`, `met`: index of the moved vertex, and what is there; it has its place in the path when all is
-///   well.
+/// - `old`: the vertices of the current path.
+/// - `last`: index of the moved vertex.
+/// - `to_eye`: world-space unit direction away from it.
 #[inline(always)]
 fn connect(
     space: &PathSpace<'_>,
     settings: &Perturbation,
-    proposal: &mut Path,
-    (last, met): (usize, &Interaction<'_>),
+    (old, proposal): (&[PathVertex], &mut Path),
+    (last, to_eye): (usize, Vec3),
 ) -> Result<f64, Rejection> {
-    let mut from = PathVertex::surface(met, proposal.vertices()[last].event);
-    let to = &proposal.vertices()[last + 1];
-    let edge = space.edge(&from, to).ok_or(Rejection::Dark)?;
+    let vertices = proposal.vertices_mut();
+    let (from, to) = (&mut vertices[last], &old[last + 1]);
+    let edge = space.edge(from, to).ok_or(Rejection::Dark)?;
     let (direction, _) = edge;
-    from.value = space.finite_value(&from, met.back, direction);
-    let value = match proposal.vertices().get(last + 2) {
+    from.value = space.finite_value(from, to_eye, direction);
+    let value = match old.get(last + 2) {
         Some(after) => {
             let (to_light, _) = space.edge(to, after).ok_or(Rejection::Dark)?;
             space.finite_value(to, -direction, to_light)
@@ -212,14 +216,11 @@ fn connect(
     if from.value.is_black() || value.is_black() {
         return Err(Rejection::Dark);
     }
-    if !space.is_visible(&from, to) {
+    if !space.is_visible(from, to) {
         return Err(Rejection::Occluded);
     }
-    let factor = factor_of_edge(settings, edge, to);
-    let vertices = proposal.vertices_mut();
-    vertices[last] = from;
     vertices[last + 1].value = value;
-    Ok(factor)
+    Ok(factor_of_edge(settings, edge, to))
 }
 
 /// Factor that turns a density of directions at the last moved vertex into one of what it is

@@ -1,9 +1,7 @@
 //! Lai's lens perturbation.
 
-use super::forward::{
-    Redirect, connection_factor, last_changed_behind_finite, last_moved, rebuild,
-};
-use super::{Fault, Mutate, Perturbation, Rejection};
+use super::forward::{Redirect, connection_factor, rebuild, site_behind_finite};
+use super::{Fault, Mutate, Perturbation, Rejection, Site};
 use crate::path::{Event, Path, PathSpace};
 use crate::random::Stream;
 
@@ -16,17 +14,21 @@ pub struct LaiLensPerturbation;
 
 impl Mutate for LaiLensPerturbation {
     #[inline]
-    fn last_changed(&self, path: &Path) -> Option<usize> {
-        last_changed_behind_finite(path)
+    fn site(&self, path: &Path) -> Option<Site> {
+        site_behind_finite(path)
     }
 
     /// The coordinates are the positions of the vertices that stay: every direction to one brings the
     /// solid angle that its area takes up.
     #[inline]
-    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        let Some(last) = last_moved(path, usize::MAX) else {
-            return 0.0;
-        };
+    fn factor(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        site: Site,
+    ) -> f64 {
+        let last = site.pivot;
         connection_factor(space, settings, path, last) * area_factor(space, settings, path, last)
     }
 
@@ -35,12 +37,14 @@ impl Mutate for LaiLensPerturbation {
         &self,
         space: &PathSpace<'_>,
         settings: &Perturbation,
-        proposal: &mut Path,
+        site: Site,
+        paths: (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
-        let last = last_moved(proposal, usize::MAX).ok_or(Rejection::SignatureChanged)?;
-        let factor = rebuild(space, settings, Some(Redirect::Aim), proposal, last, random)?;
-        Ok(factor * area_factor(space, settings, proposal, last))
+        let (current, proposal) = paths;
+        let work = ((current, &mut *proposal), site.pivot);
+        let factor = rebuild(space, settings, Some(Redirect::Aim), work, random)?;
+        Ok(factor * area_factor(space, settings, proposal, site.pivot))
     }
 }
 

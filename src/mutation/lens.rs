@@ -1,7 +1,7 @@
 //! The lens perturbation.
 
-use super::forward::{connection_factor, last_moved, rebuild};
-use super::{Mutate, Perturbation, Rejection};
+use super::forward::{connection_factor, last_moved, rebuild, site_up_to};
+use super::{Mutate, Perturbation, Rejection, Site};
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
 
@@ -16,13 +16,19 @@ pub struct LensPerturbation;
 
 impl Mutate for LensPerturbation {
     #[inline]
-    fn last_changed(&self, path: &Path) -> Option<usize> {
-        Some((last_moved(path, 0)? + 1).min(path.edges()))
+    fn site(&self, path: &Path) -> Option<Site> {
+        Some(site_up_to(path, last_moved(path, 0)?))
     }
 
     #[inline]
-    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        last_moved(path, 0).map_or(0.0, |last| connection_factor(space, settings, path, last))
+    fn factor(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        site: Site,
+    ) -> f64 {
+        connection_factor(space, settings, path, site.pivot)
     }
 
     #[inline]
@@ -30,10 +36,10 @@ impl Mutate for LensPerturbation {
         &self,
         space: &PathSpace<'_>,
         settings: &Perturbation,
-        proposal: &mut Path,
+        site: Site,
+        paths: (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
-        let last = last_moved(proposal, 0).ok_or(Rejection::SignatureChanged)?;
-        rebuild(space, settings, None, proposal, last, random)
+        rebuild(space, settings, None, (paths, site.pivot), random)
     }
 }

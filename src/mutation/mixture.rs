@@ -1,9 +1,7 @@
 //! Mixtures of mutations of several sizes, any of which may make the same move.
 
-use super::caustic::head;
-use super::forward::{last_changed_behind_finite, last_moved};
 use super::ratio::log_transition;
-use super::{Mutation, Perturbation};
+use super::{Mutate, Mutation, Perturbation};
 use crate::path::{Path, PathSpace};
 
 /// A mutation of one size, and the probability of choosing it.
@@ -65,12 +63,9 @@ fn move_the_same(a: Mutation, b: Mutation, path: &Path) -> bool {
 
 /// Index of the last vertex that a mutation moves; `None` where it does not apply.
 fn last_moved_by(mutation: Mutation, path: &Path) -> Option<usize> {
-    match mutation {
-        Mutation::Lens => last_moved(path, 0),
-        Mutation::MultiChain | Mutation::LaiLens => {
-            last_changed_behind_finite(path)?;
-            last_moved(path, usize::MAX)
-        }
-        Mutation::Caustic => head(path).map(|head| head - 1),
-    }
+    let site = mutation.site(path)?;
+    Some(match mutation {
+        Mutation::Caustic => site.pivot - 1,
+        Mutation::Lens | Mutation::MultiChain | Mutation::LaiLens => site.pivot,
+    })
 }

@@ -86,33 +86,60 @@ impl RasterDomain {
     }
 }
 
+/// Where a mutation works on a path, and so on all paths that perturbations make of it: they share their
+/// signature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Site {
+    /// Index of the last vertex that moves, counted from the sensor; of the one whose direction is turned,
+    /// for the caustic perturbation.
+    pub pivot: usize,
+    /// Index of the last vertex that changes, its position or its value.
+    pub last_changed: usize,
+}
+
 /// What a mutation can do.
 pub trait Mutate {
-    /// Index of the last vertex that the mutation changes, its position or its value; `None` for paths
-    /// that it does not apply to. Depends on the path's signature alone.
-    fn last_changed(&self, path: &Path) -> Option<usize>;
+    /// Where the mutation works; `None` for paths that it does not apply to. Depends on the path's signature
+    /// alone.
+    fn site(&self, path: &Path) -> Option<Site>;
 
     /// The factor on a path's luminance in the mutation's own coordinates; not negative.
-    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64;
+    fn factor(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        site: Site,
+    ) -> f64;
 
     /// The target density at a path in the mutation's own coordinates, in which its proposals are
     /// symmetric; not negative.
     #[inline]
-    fn target(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
+    fn target(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        site: Site,
+    ) -> f64 {
         let luminance = fault::path_luminance(space, settings, path, path.value());
-        luminance * self.factor(space, settings, path)
+        luminance * self.factor(space, settings, path, site)
     }
 
-    /// Turns a copy of the current path into a proposal; returns [`Mutate::factor`] there, most of
-    /// which the way to it has worked out.
+    /// Makes a proposal; returns [`Mutate::factor`] there, most of which the way to it has worked out.
+    ///
+    /// - `site`: where the mutation works on the current path.
+    /// - `current`: the path that is left.
+    /// - `proposal`: a copy of it, seen where it is seen, apart from what this mutation has changed in it before.
     ///
     /// # Errors
-    /// Why there is none; the copy is then in disorder up to [`Mutate::last_changed`].
+    /// Why there is none; of the copy, no more has changed than the mutation changes.
     fn propose(
         &self,
         space: &PathSpace<'_>,
         settings: &Perturbation,
-        proposal: &mut Path,
+        site: Site,
+        paths: (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection>;
 }
@@ -141,22 +168,31 @@ macro_rules! mutations {
 
         impl Mutate for Mutation {
             #[inline]
-            fn last_changed(&self, path: &Path) -> Option<usize> {
-                match self { $(Self::$variant => $model.last_changed(path),)* }
+            fn site(&self, path: &Path) -> Option<Site> {
+                match self { $(Self::$variant => $model.site(path),)* }
             }
             #[inline]
-            fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-                match self { $(Self::$variant => $model.factor(space, settings, path),)* }
+            fn factor(
+                &self,
+                space: &PathSpace<'_>,
+                settings: &Perturbation,
+                path: &Path,
+                site: Site,
+            ) -> f64 {
+                match self { $(Self::$variant => $model.factor(space, settings, path, site),)* }
             }
             #[inline]
             fn propose(
                 &self,
                 space: &PathSpace<'_>,
                 settings: &Perturbation,
-                proposal: &mut Path,
+                site: Site,
+                paths: (&Path, &mut Path),
                 random: &mut Stream,
             ) -> Result<f64, Rejection> {
-                match self { $(Self::$variant => $model.propose(space, settings, proposal, random),)* }
+                match self {
+                    $(Self::$variant => $model.propose(space, settings, site, paths, random),)*
+                }
             }
         }
     };

@@ -1,9 +1,7 @@
 //! The multi-chain perturbation.
 
-use super::forward::{
-    Redirect, connection_factor, last_changed_behind_finite, last_moved, rebuild,
-};
-use super::{Mutate, Perturbation, Rejection};
+use super::forward::{Redirect, connection_factor, rebuild, site_behind_finite};
+use super::{Mutate, Perturbation, Rejection, Site};
 use crate::path::{Path, PathSpace};
 use crate::random::Stream;
 
@@ -19,15 +17,20 @@ pub struct MultiChainPerturbation;
 
 impl Mutate for MultiChainPerturbation {
     #[inline]
-    fn last_changed(&self, path: &Path) -> Option<usize> {
-        last_changed_behind_finite(path)
+    fn site(&self, path: &Path) -> Option<Site> {
+        site_behind_finite(path)
     }
 
     /// `f_s · |cos θ_o|` at each turned direction is in the vertices' values.
     #[inline]
-    fn factor(&self, space: &PathSpace<'_>, settings: &Perturbation, path: &Path) -> f64 {
-        last_moved(path, usize::MAX)
-            .map_or(0.0, |last| connection_factor(space, settings, path, last))
+    fn factor(
+        &self,
+        space: &PathSpace<'_>,
+        settings: &Perturbation,
+        path: &Path,
+        site: Site,
+    ) -> f64 {
+        connection_factor(space, settings, path, site.pivot)
     }
 
     #[inline]
@@ -35,11 +38,11 @@ impl Mutate for MultiChainPerturbation {
         &self,
         space: &PathSpace<'_>,
         settings: &Perturbation,
-        proposal: &mut Path,
+        site: Site,
+        paths: (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
-        let last = last_moved(proposal, usize::MAX).ok_or(Rejection::SignatureChanged)?;
         let redirect = Redirect::Turn(settings.angle);
-        rebuild(space, settings, Some(redirect), proposal, last, random)
+        rebuild(space, settings, Some(redirect), (paths, site.pivot), random)
     }
 }

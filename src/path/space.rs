@@ -3,11 +3,11 @@
 use std::cell::Cell;
 
 use super::{Event, PathVertex, VertexKind};
-use crate::accel::{Hit, Ray};
+use crate::accel::Ray;
 use crate::bsdf::{Bsdf, BsdfModel, DiracEvent, Transport};
 use crate::emitter::{EmitterClass, EmitterModel};
 use crate::math::{Local, Rgb, Vec2, Vec3};
-use crate::scene::{Interaction, Scene};
+use crate::scene::{Interaction, Object, Scene};
 use crate::sensor::{Sensor, SensorModel};
 use crate::shape::SurfacePoint;
 
@@ -71,27 +71,49 @@ impl<'s> PathSpace<'s> {
     /// - `from_sensor`: whether emitting surfaces may be hidden from it.
     #[inline(always)]
     pub fn meet(&self, ray: Ray, from_sensor: bool) -> Option<Interaction<'s>> {
-        let (ray, hit) = if from_sensor && self.rules.hide_emitters {
-            self.hit_past_emitters(ray)?
-        } else {
-            self.count_ray();
-            (ray, self.scene.hit(&ray)?)
-        };
-        Some(self.scene.interaction(&ray, &hit))
+        if from_sensor && self.rules.hide_emitters {
+            return self.meet_past_emitters(ray);
+        }
+        self.count_ray();
+        self.scene.intersect(&ray)
     }
 
-    /// The first hit of a ray on a surface that does not emit, and what is left of the ray there.
-    #[inline(never)]
-    fn hit_past_emitters(&self, mut ray: Ray) -> Option<(Ray, Hit)> {
-        loop {
+    /// Lets a ray meet its first surface, and makes a vertex there, whose value is yet to be found; returns
+    /// the object there. As [`PathSpace::meet`] and [`PathVertex::surface`], with nothing copied.
+    ///
+    /// - `vertex`: becomes it, where there is a surface.
+    #[inline(always)]
+    pub fn meet_at(
+        &self,
+        ray: Ray,
+        from_sensor: bool,
+        event: Event,
+        vertex: &mut PathVertex,
+    ) -> Option<&'s Object> {
+        let object = if from_sensor && self.rules.hide_emitters {
+            let met = self.meet_past_emitters(ray)?;
+            vertex.point = met.point;
+            (met.object, &self.scene.objects()[met.object as usize])
+        } else {
             self.count_ray();
             let hit = self.scene.hit(&ray)?;
-            let met = self.scene.interaction(&ray, &hit);
+            self.scene.put_surface(&ray, &hit, &mut vertex.point)
+        };
+        vertex.lie_on(object, event);
+        Some(object.1)
+    }
+
+    /// The first surface that a ray meets and that does not emit.
+    #[inline(never)]
+    fn meet_past_emitters(&self, mut ray: Ray) -> Option<Interaction<'s>> {
+        loop {
+            self.count_ray();
+            let met = self.scene.intersect(&ray)?;
             if met.emitter.is_none() {
-                return Some((ray, hit));
+                return Some(met);
             }
             let direction = ray.direction();
-            let left = ray.far() - hit.distance;
+            let left = ray.far() - met.distance;
             ray = Ray::new(met.point.ray_origin(direction), direction).between(0.0, left);
         }
     }

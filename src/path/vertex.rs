@@ -3,7 +3,7 @@
 use crate::bsdf::{BsdfSample, Component, Lobe};
 use crate::emitter::{EmittedRay, EmitterClass, EmitterSample};
 use crate::math::{Rgb, Vec2, Vec3};
-use crate::scene::{EmitterId, Interaction};
+use crate::scene::{EmitterId, Interaction, Object};
 use crate::shape::{Derivatives, SurfacePoint};
 
 /// Where a vertex lies.
@@ -136,6 +136,19 @@ impl PathVertex {
             kind: VertexKind::Surface,
             event,
         }
+    }
+
+    /// Makes a vertex of one that has a surface's point already; its value is yet to be found.
+    ///
+    /// - `object`: with its index.
+    #[inline(always)]
+    pub(super) fn lie_on(&mut self, (index, object): (u32, &Object), event: Event) {
+        self.value = Rgb::BLACK;
+        self.adjoint = 1.0;
+        self.object = index;
+        self.emitter = object.emitter.map_or(Self::NONE, |id| id.0);
+        self.kind = VertexKind::Surface;
+        self.event = event;
     }
 
     /// The last vertex of a path that ends at a sampled point of an emitter.

@@ -76,6 +76,15 @@ pub(super) fn point_in_world(shape: &Shape, ray: &Ray, hit: &Hit) -> SurfacePoin
     }
 }
 
+/// As [`point_in_world`], with the point put in its place.
+#[inline(always)]
+pub(super) fn put_point_in_world(shape: &Shape, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) {
+    match shape {
+        Shape::TriangleMesh(mesh) => mesh.put_surface(&shape_hit(ray, hit), point),
+        shape => *point = point_of_other(shape, ray, hit),
+    }
+}
+
 #[inline(never)]
 fn point_of_other(shape: &Shape, ray: &Ray, hit: &Hit) -> SurfacePoint {
     shape.surface_at(&shape_hit(ray, hit))

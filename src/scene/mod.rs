@@ -8,7 +8,7 @@ pub mod options;
 
 pub use builder::{BuildError, SceneBuilder};
 pub use interaction::Interaction;
-use interaction::{point_in_world, point_on_instance};
+use interaction::{point_in_world, point_on_instance, put_point_in_world};
 pub use lights::{ChosenRay, ChosenSample, Lights};
 
 use std::sync::Arc;
@@ -184,6 +184,32 @@ impl Scene {
         let shape = &self.objects[hit.geometry as usize].shape;
         let point = point_in_world(shape, ray, hit);
         self.interaction_at(point, hit.geometry, ray, hit)
+    }
+
+    /// The point of a hit, put in its place; returns the object that it lies on, with its index.
+    ///
+    /// A point that is made elsewhere and then copied costs as much again as making it: it is read in other
+    /// pieces than it was written in, and has to wait until it is in the cache.
+    ///
+    /// - `point`: becomes it.
+    #[inline(always)]
+    pub fn put_surface(&self, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) -> (u32, &Object) {
+        let index = match hit.instance {
+            Some(instance) => self.put_point_on(instance, ray, hit, point),
+            None => {
+                let shape = &self.objects[hit.geometry as usize].shape;
+                put_point_in_world(shape, ray, hit, point);
+                hit.geometry
+            }
+        };
+        (index, &self.objects[index as usize])
+    }
+
+    #[inline(never)]
+    fn put_point_on(&self, instance: u32, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) -> u32 {
+        let (index, found) = self.point_on(instance, ray, hit);
+        *point = found;
+        index
     }
 
     #[inline(always)]

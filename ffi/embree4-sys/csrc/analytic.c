@@ -223,18 +223,30 @@ static void store_hit(const struct RTCIntersectFunctionNArguments *arguments, un
     OF_HIT(unsigned, packet, count, lane, instID[0]) = arguments->context->instID[0];
 }
 
-/* Embree asks about one ray or about a packet; of a packet often about one ray only. */
+/* The rays of a packet that Embree asks about, as bits. */
+static unsigned asked(const int *valid, unsigned count)
+{
+    unsigned lanes = 0;
+    for (unsigned lane = 0; lane < count; lane++)
+        lanes |= (valid[lane] != 0 ? 1u : 0u) << lane;
+    return lanes;
+}
+
+/* Embree asks about one ray or about a packet; of a packet often about one ray only: which one
+ * cannot be foreseen, so that nothing branches on the others. */
+#define FOR_ASKED(lane, arguments)                                                                 \
+    for (unsigned lanes = asked((arguments)->valid, (arguments)->N), lane;                         \
+         lanes != 0 && (lane = (unsigned)__builtin_ctz(lanes), true); lanes &= lanes - 1)
+
 #define CALLBACKS(name)                                                                            \
     static void intersect_##name(const struct RTCIntersectFunctionNArguments *arguments)           \
     {                                                                                              \
         const struct ShimShape *shape = arguments->geometryUserPtr;                                \
-        unsigned count = arguments->N;                                                             \
-        for (unsigned lane = 0; lane < count; lane++) {                                            \
+        FOR_ASKED(lane, arguments)                                                                 \
+        {                                                                                          \
             struct Crossing crossing;                                                              \
             struct RTCHit found;                                                                   \
-            if (!arguments->valid[lane])                                                           \
-                continue;                                                                          \
-            struct RTCRay ray = ray_of_lane(arguments->rayhit, count, lane);                        \
+            struct RTCRay ray = ray_of_lane(arguments->rayhit, arguments->N, lane);                \
             if (!cross_##name(shape, &ray, &crossing))                                             \
                 continue;                                                                          \
             describe_##name(shape, &crossing, &found);                                             \
@@ -244,14 +256,12 @@ static void store_hit(const struct RTCIntersectFunctionNArguments *arguments, un
     static void occluded_##name(const struct RTCOccludedFunctionNArguments *arguments)             \
     {                                                                                              \
         const struct ShimShape *shape = arguments->geometryUserPtr;                                \
-        unsigned count = arguments->N;                                                             \
-        for (unsigned lane = 0; lane < count; lane++) {                                            \
+        FOR_ASKED(lane, arguments)                                                                 \
+        {                                                                                          \
             struct Crossing crossing;                                                              \
-            if (!arguments->valid[lane])                                                           \
-                continue;                                                                          \
-            struct RTCRay ray = ray_of_lane(arguments->ray, count, lane);                           \
+            struct RTCRay ray = ray_of_lane(arguments->ray, arguments->N, lane);                   \
             if (cross_##name(shape, &ray, &crossing))                                              \
-                OF_RAY(arguments->ray, count, lane, tfar) = -INFINITY;                             \
+                OF_RAY(arguments->ray, arguments->N, lane, tfar) = -INFINITY;                      \
         }                                                                                          \
     }
 
@@ -446,13 +456,11 @@ static void describe_cone(const struct ShimCurves *curves, unsigned segment,
 static void intersect_cone(const struct RTCIntersectFunctionNArguments *arguments)
 {
     const struct ShimCurves *curves = arguments->geometryUserPtr;
-    unsigned count = arguments->N;
-    for (unsigned lane = 0; lane < count; lane++) {
+    FOR_ASKED(lane, arguments)
+    {
         struct Crossing crossing;
         struct RTCHit found;
-        if (!arguments->valid[lane])
-            continue;
-        struct RTCRay ray = ray_of_lane(arguments->rayhit, count, lane);
+        struct RTCRay ray = ray_of_lane(arguments->rayhit, arguments->N, lane);
         if (!cross_cone(curves, arguments->primID, &ray, &crossing))
             continue;
         describe_cone(curves, arguments->primID, &crossing, &found);
@@ -463,14 +471,12 @@ static void intersect_cone(const struct RTCIntersectFunctionNArguments *argument
 static void occluded_cone(const struct RTCOccludedFunctionNArguments *arguments)
 {
     const struct ShimCurves *curves = arguments->geometryUserPtr;
-    unsigned count = arguments->N;
-    for (unsigned lane = 0; lane < count; lane++) {
+    FOR_ASKED(lane, arguments)
+    {
         struct Crossing crossing;
-        if (!arguments->valid[lane])
-            continue;
-        struct RTCRay ray = ray_of_lane(arguments->ray, count, lane);
+        struct RTCRay ray = ray_of_lane(arguments->ray, arguments->N, lane);
         if (cross_cone(curves, arguments->primID, &ray, &crossing))
-            OF_RAY(arguments->ray, count, lane, tfar) = -INFINITY;
+            OF_RAY(arguments->ray, arguments->N, lane, tfar) = -INFINITY;
     }
 }
 

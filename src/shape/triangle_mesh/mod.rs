@@ -159,6 +159,17 @@ impl TriangleMesh {
         }
     }
 
+    /// As [`ShapeModel::surface_at`], with the point put in its place.
+    ///
+    /// - `point`: becomes it.
+    #[inline(always)]
+    pub fn put_surface(&self, hit: &ShapeHit, point: &mut SurfacePoint) {
+        match self.facets.get(hit.primitive as usize) {
+            Some(facet) => *point = self.point_of(facet, hit.primitive, hit.barycentrics),
+            None => *point = self.unprepared_point(hit.primitive, hit.barycentrics),
+        }
+    }
+
     /// [`TriangleMesh::point`] for large meshes.
     #[inline(never)]
     fn unprepared_point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
