@@ -5,7 +5,7 @@ use crate::bsdf::BsdfModel;
 use crate::emitter::SceneBounds;
 use crate::film::{Canvas, Layer, Unit};
 use crate::math::{Vec2, Vec3};
-use crate::scene::Interaction;
+use crate::scene::{Interaction, Scene};
 
 /// What a layer says about the first surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +75,7 @@ impl Aov {
     }
 
     /// The value at the first surface; zero where there is none.
-    fn value(self, first: Option<&Interaction<'_>>) -> AovValue {
+    fn value(self, scene: &Scene, first: Option<&Interaction<'_>>) -> AovValue {
         let vector =
             |of: fn(&Interaction<'_>) -> Vec3| AovValue::Three(first.map_or(Vec3::ZERO, of));
         match self {
@@ -84,7 +84,7 @@ impl Aov {
             Self::GeometricNormal => vector(|i| i.point.geometric_normal),
             Self::Position => vector(|i| i.point.position),
             Self::Depth => AovValue::One(first.map_or(0.0, |i| i.distance)),
-            Self::Uv => AovValue::Two(first.map_or(Vec2::ZERO, |i| i.point.uv)),
+            Self::Uv => AovValue::Two(first.map_or(Vec2::ZERO, |i| scene.coordinates(i))),
         }
     }
 }
@@ -94,13 +94,14 @@ impl Aov {
 /// - `layers`: the buffers of [`PixelSettings::aovs`], in their order.
 pub(super) fn add_all(
     settings: &PixelSettings,
+    scene: &Scene,
     first: Option<&Interaction<'_>>,
     raster: Vec2,
     layers: &[impl Canvas],
 ) {
     let filter = &settings.filter;
     for (aov, layer) in settings.aovs.iter().zip(layers) {
-        match aov.value(first) {
+        match aov.value(scene, first) {
             AovValue::One(value) => layer.add(filter, raster, [value]),
             AovValue::Two(value) => layer.add(filter, raster, value.to_array()),
             AovValue::Three(value) => layer.add(filter, raster, value.to_array()),

@@ -222,7 +222,13 @@ impl<'s> PixelRender<'s> {
         if !settings.aovs.is_empty() {
             counters.rays += 1;
             let first = self.scene.intersect(&ray.to_ray());
-            aov::add_all(settings, first.as_ref(), raster, layers.as_slice());
+            aov::add_all(
+                settings,
+                self.scene,
+                first.as_ref(),
+                raster,
+                layers.as_slice(),
+            );
         }
     }
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::accel::{self, Accel, AccelError, Engine, Geometry, Hit, MemoryUse, Ray};
 use crate::bsdf::{Bsdf, LobeSet, SoleDiffuse};
 use crate::emitter::SceneBounds;
-use crate::math::Vec3;
+use crate::math::{Vec2, Vec3};
 use crate::shape::{Placement, Shape, ShapeModel, SurfacePoint};
 
 /// Index of a material.
@@ -232,6 +232,12 @@ impl Scene {
         let index = self.groups[group.0 as usize].first + hit.geometry;
         let shape = &self.objects[index as usize].shape;
         (index, point_on_instance(placement, shape, ray, hit))
+    }
+
+    /// Surface coordinates where a ray has met a surface, also where that leaves them out of its points.
+    pub fn coordinates(&self, met: &Interaction<'_>) -> Vec2 {
+        let shape = &self.objects[met.object as usize].shape;
+        shape.coordinates(&met.point)
     }
 
     /// What it takes in memory.

@@ -96,6 +96,11 @@ pub trait ShapeModel {
     /// Everything about the point that a ray met.
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint;
 
+    /// Surface coordinates of a point that this shape has made, also where it leaves them out of its points.
+    fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
+        point.uv
+    }
+
     /// Surface area in m².
     fn area(&self) -> f64;
 
@@ -171,6 +176,9 @@ macro_rules! shape_models {
             #[inline(always)]
             fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
                 match self { $(Self::$model(s) => s.surface_at(hit),)* }
+            }
+            fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
+                match self { $(Self::$model(s) => s.coordinates(point),)* }
             }
             #[inline]
             fn area(&self) -> f64 {

@@ -21,7 +21,11 @@ pub struct Sphere {
     axes: Mat3,
     /// 1, or −1 where normals point to the centre.
     side: f32,
-    /// Whether points know how they change with the coordinates.
+    /// Bound on the error of positions, in m.
+    error: f32,
+    /// Whether points know their coordinates.
+    coordinates: bool,
+    /// Whether they know how they change with them.
     derivatives: bool,
 }
 
@@ -48,11 +52,15 @@ impl Sphere {
         check_circular(z, x)?;
         let scale = (x.length() * y.length() * z.length()).cbrt();
         let unit = |axis: DVec3| axis.normalize().as_vec3();
+        let centre = to_world.transform_point3(centre);
+        let radius = (scale * f64::from(radius)) as f32;
         let sphere = Self {
-            centre: to_world.transform_point3(centre),
-            radius: (scale * f64::from(radius)) as f32,
+            centre,
+            radius,
             axes: Mat3::from_cols(unit(x), unit(y), unit(z)),
             side: 1.0,
+            error: SurfacePoint::error_bound(centre.abs().max_element() + radius),
+            coordinates: true,
             derivatives: true,
         };
         // The checked numbers may still have left the range of f32 together.
@@ -73,6 +81,13 @@ impl Sphere {
         self.derivatives = false;
     }
 
+    /// Leaves the coordinates out of points, too, for speed: where neither the material nor the light there
+    /// asks for them. [`ShapeModel::coordinates`] still knows them, of points in the sphere's own space.
+    pub fn omit_coordinates(&mut self) {
+        self.coordinates = false;
+        self.derivatives = false;
+    }
+
     /// World-space centre.
     pub fn centre(&self) -> Vec3 {
         self.centre
@@ -86,32 +101,39 @@ impl Sphere {
     /// The point in the unit direction `outward` from the centre.
     #[inline]
     fn point(&self, outward: Vec3) -> SurfacePoint {
-        let local = self.axes.transpose() * outward;
-        let from_axis = local.truncate().length();
         let normal = outward * self.side;
-        let extent = self.centre.abs().max_element() + self.radius;
-        SurfacePoint {
+        let mut point = SurfacePoint {
             position: self.centre + outward * self.radius,
             geometric_normal: normal,
             shading_normal: normal,
-            derivatives: if self.derivatives {
-                let [by_u, by_v] = self.derivatives(local, from_axis);
-                Derivatives::new(normal, by_u, by_v)
-            } else {
-                Derivatives::NONE
-            },
-            uv: Vec2::new(
-                warp::turn(local.truncate()),
-                angle_of(local.z, from_axis) * FRAC_1_PI,
-            ),
-            error: SurfacePoint::error_bound(extent),
+            derivatives: Derivatives::NONE,
+            uv: Vec2::ZERO,
+            error: self.error,
+        };
+        if self.coordinates {
+            point.uv = self.coordinates_toward(outward);
         }
+        if self.derivatives {
+            let [by_u, by_v] = self.derivatives_toward(outward);
+            point.derivatives = Derivatives::new(normal, by_u, by_v);
+        }
+        point
     }
 
-    /// ∂p/∂u and ∂p/∂v where the outward normal is `local` among the object's axes.
-    ///
-    /// - `from_axis`: length of what of it lies across the z axis.
-    fn derivatives(&self, local: Vec3, from_axis: f32) -> [Vec3; 2] {
+    /// Surface coordinates in the unit direction `outward` from the centre.
+    fn coordinates_toward(&self, outward: Vec3) -> Vec2 {
+        let local = self.axes.transpose() * outward;
+        let from_axis = local.truncate().length();
+        Vec2::new(
+            warp::turn(local.truncate()),
+            angle_of(local.z, from_axis) * FRAC_1_PI,
+        )
+    }
+
+    /// ∂p/∂u and ∂p/∂v in the unit direction `outward` from the centre.
+    fn derivatives_toward(&self, outward: Vec3) -> [Vec3; 2] {
+        let local = self.axes.transpose() * outward;
+        let from_axis = local.truncate().length();
         let azimuth = local.truncate().normalize_or(Vec2::X);
         let by_u = self.axes * Vec3::new(-local.y, local.x, 0.0) * (TAU * self.radius);
         let by_v = self.axes * (azimuth * local.z).extend(-from_axis) * (PI * self.radius);
@@ -184,6 +206,10 @@ impl ShapeModel for Sphere {
         self.point((hit.position - self.centre).normalize_or(Vec3::Z))
     }
 
+    fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
+        self.coordinates_toward(point.geometric_normal * self.side)
+    }
+
     fn area(&self) -> f64 {
         f64::from(4.0 * PI) * f64::from(self.radius).powi(2)
     }
@@ -242,5 +268,32 @@ impl ShapeModel for Sphere {
         let local = Frame::around(cone.axis.as_vec3()).to_local(direction.as_vec3());
         let u = warp::uniform_cone_inverse(local.0, cone.one_minus_cos);
         Some(warp::into_unit_square(u))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spheres_know_the_coordinates_that_they_leave_out() {
+        let turn = Mat4::from_rotation_x(0.4);
+        let mut full = Sphere::new(Vec3::new(0.3, -1.0, 2.0), 0.7, turn).expect("a sphere");
+        let mut bare = full.clone();
+        bare.omit_coordinates();
+        for _side in 0..2 {
+            for place in 1..100 {
+                let u = Vec2::new(place as f32 * 0.01, (place * 37 % 100) as f32 * 0.01);
+                let (known, left_out) = (full.sample_area(u).0, bare.sample_area(u).0);
+                assert_ne!(known.uv, Vec2::ZERO);
+                assert_eq!(left_out.uv, Vec2::ZERO);
+                assert_eq!(left_out.derivatives, Derivatives::NONE);
+                assert_eq!(left_out.position, known.position);
+                assert_eq!(bare.coordinates(&left_out), known.uv);
+                assert_eq!(full.coordinates(&known), known.uv);
+            }
+            full.flip_normals();
+            bare.flip_normals();
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! Materials that are read in both generations' spellings, and what is said of broken ones.
 
+use std::f32::consts::{PI, TAU};
+
 use lumiflow::accel::Ray;
-use lumiflow::math::{Rgb, Vec3};
+use lumiflow::math::{Rgb, Vec2, Vec3};
 use lumiflow::scene::import::xml::Strictness;
 use lumiflow::shape::Derivatives;
 
@@ -266,5 +268,50 @@ fn points_know_how_coordinates_run_where_a_material_asks() {
             let knows = hit.point.derivatives != Derivatives::NONE;
             assert_eq!(knows, asks, "{shape}: {material}");
         }
+    }
+}
+
+/// Textures of material and light do, and whatever asks how coordinates run; the layer of coordinates has
+/// them always.
+#[test]
+fn spheres_know_their_coordinates_where_somebody_asks() {
+    let brushed = "<bsdf type='roughconductor'><float name='alpha_u' value='0.1'/>
+        <float name='alpha_v' value='0.3'/></bsdf>";
+    let textured = format!(
+        "<bsdf type='twosided'><bsdf type='diffuse'>{}</bsdf></bsdf>",
+        board("reflectance")
+    );
+    let glowing = format!(
+        "{DIFFUSE}<emitter type='area'>{}</emitter>",
+        board("radiance")
+    );
+    let white = format!("{DIFFUSE}<emitter type='area'><rgb name='radiance' value='1'/></emitter>");
+    let placed = |of: &str| {
+        format!(
+            "<shape type='shapegroup' id='group'><shape type='sphere'>{of}</shape></shape>
+            <shape type='instance'><ref id='group'/></shape>"
+        )
+    };
+    let alone = |of: &str| format!("<shape type='sphere'>{of}</shape>");
+    let mut places = Vec::new();
+    for (shapes, asks) in [
+        (alone(&textured), true),
+        (alone(DIFFUSE), false),
+        (alone(brushed), true),
+        (alone(&glowing), true),
+        (alone(&white), false),
+        (placed(DIFFUSE), true),
+    ] {
+        let scene = file_of(&shapes);
+        let imported = import_files(&[("a.xml", scene.as_bytes())], Strictness::Strict);
+        let imported = imported.expect("a sound scene");
+        let ray = Ray::new(Vec3::new(0.3, 0.2, 4.0), Vec3::NEG_Z);
+        let hit = imported.scene.intersect(&ray).expect("the sphere is there");
+        assert_eq!(hit.point.uv != Vec2::ZERO, asks, "{shapes}");
+        places.push(imported.scene.coordinates(&hit));
+    }
+    let (azimuth, polar) = (0.2_f32.atan2(0.3) / TAU, 0.87_f32.sqrt().acos() / PI);
+    for place in places {
+        assert!(place.distance(Vec2::new(azimuth, polar)) < 1e-5, "{place}");
     }
 }

@@ -210,7 +210,7 @@ impl<'s> BidirectionalRender<'s> {
         if !settings.aovs.is_empty() {
             let first = worker.space.meet(camera.ray.to_ray(), false);
             let aovs = &layers[1 + self.technique_count()..];
-            aov::add_all(settings, first.as_ref(), raster, aovs);
+            aov::add_all(settings, worker.space.scene, first.as_ref(), raster, aovs);
         }
     }
 

@@ -207,7 +207,7 @@ impl<'s> ChainFilm<'s> {
         if !self.settings.aovs.is_empty() {
             let first = space.meet(ray.to_ray(), false);
             let aovs = &layers[self.places.first_aov..];
-            aov::add_all(&self.settings, first.as_ref(), raster, aovs);
+            aov::add_all(&self.settings, self.scene, first.as_ref(), raster, aovs);
         }
     }
 

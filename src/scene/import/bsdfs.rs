@@ -48,11 +48,14 @@ impl Loader<'_> {
         if let (true, Some(built)) = (is_shared, self.bsdfs.get(&id)) {
             return *built;
         }
-        self.follows_coordinates = false;
+        (self.follows_coordinates, self.has_textures) = (false, false);
         let bsdf = self.build_bsdf(id);
         let built = self.builder.add_bsdf(bsdf);
         if self.follows_coordinates {
             self.needs_derivatives.insert(built);
+        }
+        if self.has_textures {
+            self.textured.insert(built);
         }
         if is_shared {
             self.bsdfs.insert(id, built);

@@ -55,6 +55,9 @@ pub(super) struct Loader<'t> {
     /// and those that do.
     pub(super) follows_coordinates: bool,
     pub(super) needs_derivatives: HashSet<BsdfId>,
+    /// Whether the material under construction has textures, and those that do.
+    pub(super) has_textures: bool,
+    pub(super) textured: HashSet<BsdfId>,
     /// The mesh that the material under construction is for, where that asks for its attributes.
     pub(super) carrier: Option<Carrier>,
     hash: RefCell<Xxh3>,
@@ -90,6 +93,8 @@ impl<'t> Loader<'t> {
             media: Vec::new(),
             follows_coordinates: false,
             needs_derivatives: HashSet::new(),
+            has_textures: false,
+            textured: HashSet::new(),
             carrier: None,
             hash: RefCell::new(Xxh3::new()),
         }

@@ -12,7 +12,7 @@ use crate::math::Vec3;
 use crate::scene::BsdfId;
 use crate::shape::mesh::MeshData;
 use crate::shape::{self, Curves, Cylinder, Disk, Shape, ShapeError, Sphere};
-use crate::texture::Texture;
+use crate::texture::{Texture, TextureModel};
 
 /// The plugins that are read, for "did you mean".
 const KNOWN: [&str; 13] = [
@@ -53,15 +53,29 @@ impl Loader<'_> {
             "instance" => self.instance(id),
             "merge" => self.merged(id),
             _ => {
-                let Some(built) = self.single_shape(id) else {
+                let Some(mut built) = self.single_shape(id) else {
                     return;
                 };
+                self.omit_coordinates(&mut built);
                 let radiance = built.emission.map(|(radiance, _)| radiance);
                 match self.builder.add_shape(built.shape, built.bsdf, radiance) {
                     Ok(()) => self.shapes.push(id),
                     Err(error) => self.problems.error(self.location(id), error.to_string()),
                 }
             }
+        }
+    }
+
+    /// Lets a sphere leave out the coordinates for which neither its material nor its light asks. Not those
+    /// of groups: their points are placed, and are no longer in the sphere's own space.
+    fn omit_coordinates(&self, built: &mut Built) {
+        let light = built.emission.as_ref();
+        let asks = light.is_some_and(|(radiance, _)| !radiance.is_constant())
+            || self.textured.contains(&built.bsdf)
+            || self.needs_derivatives.contains(&built.bsdf);
+        match &mut built.shape {
+            Shape::Sphere(sphere) if !asks => sphere.omit_coordinates(),
+            _ => {}
         }
     }
 

@@ -43,6 +43,7 @@ impl Carrier {
 impl Loader<'_> {
     /// Builds a texture, or finds the one that was built before; `None` after noting why not.
     pub(super) fn texture(&mut self, id: ElementId) -> Option<Texture> {
+        self.has_textures = true;
         match self.tree[id].plugin.as_str() {
             // Those below have been given their places.
             "scale" | "checkerboard" if self.carrier.is_some() => {
