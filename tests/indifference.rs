@@ -22,7 +22,7 @@ fn colour(seen: Rgb, hidden: f32) -> Texture {
 }
 
 /// Plastic bodies under two lamps, with textures whose hidden parts differ.
-fn stage(hidden: f32) -> Stage {
+pub(crate) fn stage(hidden: f32) -> Stage {
     let ior = RelativeIor::new(1.5, 1.0).expect("the indices are positive");
     let plastic = || {
         let base = colour(Rgb::new(0.6, 0.4, 0.3), hidden);
