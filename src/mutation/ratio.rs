@@ -52,7 +52,7 @@ fn coordinates(mutation: Mutation, path: &Path, made: Generation) -> Option<Coor
     let last = last_moved(path, usize::MAX)?;
     let turned = |index: &usize| path.vertices()[*index].event == Event::Finite;
     let directions = match mutation {
-        Mutation::MultiChain => (1..last).filter(turned).fold(0, |bits, i| bits | 1 << i),
+        Mutation::MultiChain => (1..last).filter(turned).fold(0, |bits, i| bits | (1 << i)),
         _ => 0,
     };
     // A path that reaches its light by a ray does so in a direction, or at a point: both are one.

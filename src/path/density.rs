@@ -50,7 +50,7 @@ impl Coordinates {
     /// True when the direction from a finite vertex is a coordinate.
     #[inline]
     pub fn has_direction(self, index: usize) -> bool {
-        self.directions >> index & 1 == 1
+        (self.directions >> index) & 1 == 1
     }
 }
 

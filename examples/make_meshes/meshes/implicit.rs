@@ -67,7 +67,7 @@ impl Region {
 
 /// The mean of the points where the surface cuts the edges of a cell, in cells.
 fn crossing(at: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Vec3 {
-    let corner = |n: usize| [at[0] + (n & 1), at[1] + (n >> 1 & 1), at[2] + (n >> 2)];
+    let corner = |n: usize| [at[0] + (n & 1), at[1] + ((n >> 1) & 1), at[2] + (n >> 2)];
     let (mut sum, mut count) = ([0.0; 3], 0.0);
     for n in 0..8 {
         for axis in [1, 2, 4] {

@@ -226,7 +226,7 @@ pub(super) fn buckyball() -> Mesh {
         [golden, 2.0, 2.0 * golden + 1.0],
     ] {
         for signs in 0..8 {
-            let sign = |bit: usize| if signs >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            let sign = |bit: usize| if (signs >> bit) & 1 == 0 { 1.0 } else { -1.0 };
             let p = [a * sign(0), b * sign(1), c * sign(2)];
             for turn in 0..3 {
                 let q: Vec3 = std::array::from_fn(|i| p[(i + turn) % 3]);

@@ -127,9 +127,9 @@ fn traceable(lanes: &RTCRay8, batch: &[Ray; LANES], count: usize) -> Valid {
     }
     let mut valid = Valid::default();
     let mut all = -1;
-    for lane in 0..LANES {
+    for (lane, sum) in sums.into_iter().enumerate() {
         let (near, far) = (lanes.tnear[lane], lanes.tfar[lane]);
-        let is_whole = (sums[lane] <= VertexBuffer::LARGEST) & (near >= 0.0) & (near <= far);
+        let is_whole = (sum <= VertexBuffer::LARGEST) & (near >= 0.0) & (near <= far);
         let is_used = USED[count][lane];
         valid.0[lane] = is_used & -i32::from(is_whole);
         all &= valid.0[lane] | !is_used;

@@ -34,10 +34,10 @@ impl ChainFilm<'_> {
     ///
     /// - `path`: working memory; `None` where energies are enough.
     /// - `samplers`: the numbers of the eye and of the light subpath.
-    pub(in crate::integrator) fn trace_both_sides<'s>(
+    pub(in crate::integrator) fn trace_both_sides(
         &self,
         tracing: &Bidirectional,
-        (space, mut path): (&PathSpace<'s>, Option<&mut Path>),
+        (space, mut path): (&PathSpace<'_>, Option<&mut Path>),
         camera: (Vec2, &CameraRay),
         samplers: [&mut impl Numbers; 2],
         take: &mut impl FnMut(FoundAt<'_>),

@@ -166,7 +166,7 @@ impl<'a, K: Kernel> PathWalker<'a, K> {
 
     /// A stream of random numbers for a chain that begins at this one.
     pub(in crate::integrator) fn fork(&mut self) -> Stream {
-        let seed = u64::from(self.random.next_u32()) << 32 | u64::from(self.random.next_u32());
+        let seed = (u64::from(self.random.next_u32()) << 32) | u64::from(self.random.next_u32());
         Stream::new(seed, Purpose::Chain, 0, 0)
     }
 

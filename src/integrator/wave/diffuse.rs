@@ -112,7 +112,7 @@ pub(super) fn advance(
     let (rays, radiance) = (rays.rays(), throughput.times(radiance).vectors());
     let found = found.bitmask();
     for (lane, vertex) in vertices.iter().enumerate() {
-        if found >> lane & 1 == 1 {
+        if (found >> lane) & 1 == 1 {
             let (ray, radiance) = (rays[lane], Rgb(radiance[lane]));
             let connection = Connection { ray, radiance };
             outcome.connections.push((vertex.walk, connection));
@@ -129,7 +129,7 @@ pub(super) fn advance(
     for (lane, vertex) in vertices.iter().enumerate() {
         let walk = &mut walks[vertex.walk as usize];
         walk.estimate.alpha = 1.0;
-        if scatters >> lane & 1 == 0 {
+        if (scatters >> lane) & 1 == 0 {
             continue;
         }
         walk.set_state(states[lane]);

@@ -79,7 +79,7 @@ impl<'a> Referee<'a> {
             let place = subject.place(index);
             let [low, high] = groups[place.group as usize].bounds;
             let corners = (0..8).map(|corner| {
-                let pick = |axis: usize| if corner >> axis & 1 == 0 { low } else { high }[axis];
+                let pick = |axis: usize| if (corner >> axis) & 1 == 0 { low } else { high }[axis];
                 place.linear * DVec3::new(pick(0), pick(1), pick(2)) + place.origin
             });
             corners.fold(NOTHING, |all, corner| around(all, [corner, corner]))

@@ -73,13 +73,8 @@ impl Model<'_> {
             }
             return;
         }
-        if !asset.groups.contains_key(&mesh.index()) {
-            let group = self.gltf_group(asset, mesh);
-            asset.groups.insert(mesh.index(), group);
-        }
-        let Some(group) = asset.groups.get(&mesh.index()) else {
-            return;
-        };
+        let known = asset.groups.remove(&mesh.index());
+        let group = known.unwrap_or_else(|| self.gltf_group(asset, mesh));
         if let Some(id) = group.id {
             let added = self.builder.add_instance(id, to_world);
             if let Err(error) = added {
@@ -87,11 +82,12 @@ impl Model<'_> {
                 self.problems.warning(&place, message);
             }
         }
-        for (data, primitive) in group.glowing.clone() {
-            if let Some(primitive) = mesh.primitives().nth(primitive) {
-                self.gltf_part(asset, data, &primitive, to_world);
+        for (data, primitive) in &group.glowing {
+            if let Some(primitive) = mesh.primitives().nth(*primitive) {
+                self.gltf_part(asset, data.clone(), &primitive, to_world);
             }
         }
+        asset.groups.insert(mesh.index(), group);
     }
 
     /// Reads a mesh that stands in several places: what glows apart, since instances cannot.
