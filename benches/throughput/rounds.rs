@@ -5,7 +5,6 @@ use std::hint::black_box;
 use cpu_time::ThreadTime;
 use lumiflow::accel::{Hit, Query, Ray, Tally};
 use lumiflow::math::Vec3;
-use lumiflow::path::PathVertex;
 use lumiflow::scene::Scene;
 use lumiflow::shape::SurfacePoint;
 
@@ -109,7 +108,7 @@ fn add(tally: &mut Tally, scene: &Scene, (ray, hit): (&Ray, &Hit), point: &mut S
 #[inline(never)]
 fn surfaces(scene: &Scene, rays: &[Ray]) -> Tally {
     let mut tally = Tally::default();
-    let mut point = PathVertex::sensor(Vec3::ZERO).point;
+    let mut point = SurfacePoint::bare(Vec3::ZERO);
     for ray in rays {
         if let Some(hit) = scene.hit(ray) {
             add(&mut tally, scene, (ray, &hit), &mut point);
@@ -140,7 +139,7 @@ fn occluded(scene: &Scene, rays: &[Ray]) -> Tally {
 fn surfaces_as_asked(scene: &Scene, recorded: &Recorded) -> Tally {
     let mut tally = Tally::default();
     let mut hits: Vec<Option<Hit>> = Vec::new();
-    let mut point = PathVertex::sensor(Vec3::ZERO).point;
+    let mut point = SurfacePoint::bare(Vec3::ZERO);
     for (query, rays) in recorded.calls.calls() {
         match (query, rays) {
             (Query::Occlusion, _) => {}

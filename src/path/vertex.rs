@@ -2,9 +2,9 @@
 
 use crate::bsdf::{BsdfSample, Component, Lobe};
 use crate::emitter::{EmittedRay, EmitterClass, EmitterSample};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Rgb, Vec3};
 use crate::scene::{EmitterId, Interaction, Object};
-use crate::shape::{Derivatives, SurfacePoint};
+use crate::shape::SurfacePoint;
 
 /// Where a vertex lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl PathVertex {
     /// A vertex on the lens.
     pub fn sensor(position: Vec3) -> Self {
         Self {
-            point: bare_point(position),
+            point: SurfacePoint::bare(position),
             value: Rgb::WHITE,
             adjoint: 1.0,
             object: Self::NONE,
@@ -159,8 +159,8 @@ impl PathVertex {
     pub fn sampled_light(sample: &EmitterSample, emitter: EmitterId, class: EmitterClass) -> Self {
         let (kind, point) = match (sample.surface, sample.target) {
             (Some(surface), _) => (VertexKind::Surface, surface),
-            (None, Some(position)) => (VertexKind::Point, bare_point(position)),
-            (None, None) => (VertexKind::Infinity, bare_point(sample.direction)),
+            (None, Some(position)) => (VertexKind::Point, SurfacePoint::bare(position)),
+            (None, None) => (VertexKind::Infinity, SurfacePoint::bare(sample.direction)),
         };
         Self {
             point,
@@ -180,9 +180,9 @@ impl PathVertex {
         let (kind, point) = match (ray.surface, class) {
             (Some(surface), _) => (VertexKind::Surface, surface),
             (None, EmitterClass::Directional | EmitterClass::Environment) => {
-                (VertexKind::Infinity, bare_point(-ray.direction))
+                (VertexKind::Infinity, SurfacePoint::bare(-ray.direction))
             }
-            (None, _) => (VertexKind::Point, bare_point(ray.origin)),
+            (None, _) => (VertexKind::Point, SurfacePoint::bare(ray.origin)),
         };
         Self {
             point,
@@ -199,7 +199,7 @@ impl PathVertex {
     #[inline]
     pub fn environment(toward: Vec3, radiance: Rgb, emitter: EmitterId) -> Self {
         Self {
-            point: bare_point(toward),
+            point: SurfacePoint::bare(toward),
             value: radiance,
             adjoint: 1.0,
             object: Self::NONE,
@@ -235,17 +235,5 @@ impl PathVertex {
             VertexKind::Surface => self.point.geometric_normal.dot(direction).abs(),
             _ => 1.0,
         }
-    }
-}
-
-/// A point without a surface.
-fn bare_point(position: Vec3) -> SurfacePoint {
-    SurfacePoint {
-        position,
-        geometric_normal: Vec3::ZERO,
-        shading_normal: Vec3::ZERO,
-        derivatives: Derivatives::NONE,
-        uv: Vec2::ZERO,
-        error: 0.0,
     }
 }

@@ -65,18 +65,9 @@ impl<'s> Interaction<'s> {
     }
 }
 
-/// The point of a hit on a shape that stands in the world.
+/// Puts the point of a hit on a shape that stands in the world in its place.
 ///
 /// Written out for triangles: a point that passes through memory costs as much as making it.
-#[inline(always)]
-pub(super) fn point_in_world(shape: &Shape, ray: &Ray, hit: &Hit) -> SurfacePoint {
-    match shape {
-        Shape::TriangleMesh(mesh) => mesh.surface_at(&shape_hit(ray, hit)),
-        shape => point_of_other(shape, ray, hit).by_parts(),
-    }
-}
-
-/// As [`point_in_world`], with the point put in its place.
 #[inline(always)]
 pub(super) fn put_point_in_world(shape: &Shape, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) {
     match shape {

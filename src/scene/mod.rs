@@ -8,7 +8,7 @@ pub mod options;
 
 pub use builder::{BuildError, SceneBuilder};
 pub use interaction::Interaction;
-use interaction::{point_in_world, point_on_instance, put_point_in_world};
+use interaction::{point_on_instance, put_point_in_world};
 pub use lights::{ChosenRay, ChosenSample, Lights};
 
 use std::sync::Arc;
@@ -177,13 +177,9 @@ impl Scene {
     /// The surface at the first hit of a ray.
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
-        if let Some(instance) = hit.instance {
-            let (index, point) = self.point_on(instance, ray, hit);
-            return self.interaction_at(point.by_parts(), index, ray, hit);
-        }
-        let shape = &self.objects[hit.geometry as usize].shape;
-        let point = point_in_world(shape, ray, hit);
-        self.interaction_at(point, hit.geometry, ray, hit)
+        let mut point = SurfacePoint::bare(Vec3::ZERO);
+        let (index, object) = self.put_surface(ray, hit, &mut point);
+        Interaction::new(point, (index, object), self.bsdf(object.bsdf), ray, hit)
     }
 
     /// The point of a hit, put in its place; returns the object that it lies on, with its index.
@@ -205,33 +201,15 @@ impl Scene {
         (index, &self.objects[index as usize])
     }
 
+    /// Puts the point of a hit on an instance in its place; returns the index of its object. The tracer counts
+    /// instances after what stands in the world.
     #[inline(never)]
     fn put_point_on(&self, instance: u32, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) -> u32 {
-        let (index, found) = self.point_on(instance, ray, hit);
-        *point = found;
-        index
-    }
-
-    #[inline(always)]
-    fn interaction_at(
-        &self,
-        point: SurfacePoint,
-        index: u32,
-        ray: &Ray,
-        hit: &Hit,
-    ) -> Interaction<'_> {
-        let object = &self.objects[index as usize];
-        Interaction::new(point, (index, object), self.bsdf(object.bsdf), ray, hit)
-    }
-
-    /// The point of a hit on an instance, and the index of its object; the tracer counts instances after
-    /// what stands in the world.
-    #[inline(never)]
-    fn point_on(&self, instance: u32, ray: &Ray, hit: &Hit) -> (u32, SurfacePoint) {
         let Instance { group, placement } = &self.instances[(instance - self.in_world) as usize];
         let index = self.groups[group.0 as usize].first + hit.geometry;
         let shape = &self.objects[index as usize].shape;
-        (index, point_on_instance(placement, shape, ray, hit))
+        *point = point_on_instance(placement, shape, ray, hit);
+        index
     }
 
     /// Surface coordinates where a ray has met a surface, also where that leaves them out of its points.

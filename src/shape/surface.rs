@@ -73,17 +73,15 @@ impl Derivatives {
 }
 
 impl SurfacePoint {
-    /// The same point, for results of calls: other ways to get a point then need no memory for it.
-    #[inline(always)]
-    #[must_use]
-    pub fn by_parts(&self) -> Self {
+    /// A point without a surface.
+    pub const fn bare(position: Vec3) -> Self {
         Self {
-            position: self.position,
-            geometric_normal: self.geometric_normal,
-            shading_normal: self.shading_normal,
-            derivatives: self.derivatives,
-            uv: self.uv,
-            error: self.error,
+            position,
+            geometric_normal: Vec3::ZERO,
+            shading_normal: Vec3::ZERO,
+            derivatives: Derivatives::NONE,
+            uv: Vec2::ZERO,
+            error: 0.0,
         }
     }
 

@@ -153,9 +153,17 @@ impl TriangleMesh {
     /// The point of a triangle at the barycentrics of its second and third vertex.
     #[inline(always)]
     fn point(&self, primitive: u32, barycentrics: Vec2) -> SurfacePoint {
+        let mut point = SurfacePoint::bare(Vec3::ZERO);
+        self.put_point(primitive, barycentrics, &mut point);
+        point
+    }
+
+    /// [`TriangleMesh::point`], put in its place.
+    #[inline(always)]
+    fn put_point(&self, primitive: u32, barycentrics: Vec2, point: &mut SurfacePoint) {
         match self.facets.get(primitive as usize) {
-            Some(facet) => self.point_of(facet, primitive, barycentrics),
-            None => self.unprepared_point(primitive, barycentrics).by_parts(),
+            Some(facet) => *point = self.point_of(facet, primitive, barycentrics),
+            None => *point = self.unprepared_point(primitive, barycentrics),
         }
     }
 
@@ -164,10 +172,7 @@ impl TriangleMesh {
     /// - `point`: becomes it.
     #[inline(always)]
     pub fn put_surface(&self, hit: &ShapeHit, point: &mut SurfacePoint) {
-        match self.facets.get(hit.primitive as usize) {
-            Some(facet) => *point = self.point_of(facet, hit.primitive, hit.barycentrics),
-            None => *point = self.unprepared_point(hit.primitive, hit.barycentrics),
-        }
+        self.put_point(hit.primitive, hit.barycentrics, point);
     }
 
     /// [`TriangleMesh::point`] for large meshes.
