@@ -77,7 +77,7 @@ fn stage(bodies: impl FnOnce(&mut SceneBuilder)) -> Scene {
 }
 
 /// The bodies as instances, each moved by `shift` from where it belongs.
-fn placed(shift: Vec3) -> Scene {
+pub(crate) fn placed(shift: Vec3) -> Scene {
     let shift = Mat4::from_translation(shift);
     stage(|builder| {
         let mut add = |members: [(Shape, Bsdf); 2], maps: &[Mat4]| {

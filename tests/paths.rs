@@ -3,7 +3,7 @@
 use lumiflow::math::{Rgb, Vec3};
 use lumiflow::mutation::{
     BidirectionalMutation, CausticPerturbation, Chain, Choice, Choose, Move, Mutate, Mutation,
-    Proposed,
+    Perturbation, Proposed,
 };
 use lumiflow::path::{Claim, Event, Path, PathRules, PathSpace, PathVertex, Tolerance};
 use lumiflow::random::{Purpose, Stream};
@@ -11,9 +11,11 @@ use lumiflow::scene::EmitterId;
 use lumiflow::sensor::SensorModel;
 
 use crate::indifference::stage as plastic;
+use crate::instances::placed;
 use crate::support::effort::samples;
+use crate::support::scenes::camera;
 use crate::support::seeds::{TRACING, numbers, space, trace};
-use crate::support::stages::{SIDE, Stage, moves, stage_of, stages};
+use crate::support::stages::{SIDE, Stage, moves, moves_in_pixels, stage_of, stages};
 
 /// Steps of a chain.
 const LENGTH: u32 = 60;
@@ -97,19 +99,19 @@ fn chains_go_to_paths_that_are_what_they_say() {
 /// One step of a chain that mixes all mutations, those that change the length of a path too.
 fn any_proposal(
     chain: &mut Chain,
-    space: &PathSpace<'_>,
+    (space, settings): (&PathSpace<'_>, &Perturbation),
     bidirectional: &mut BidirectionalMutation,
     random: &mut Stream,
 ) -> Option<Proposed> {
     if random.next_f32() < 0.1 {
         let mutation = (bidirectional, |_: &Path| 1.0);
-        return chain.propose_bidirectional(space, &moves(), mutation, random);
+        return chain.propose_bidirectional(space, settings, mutation, random);
     }
     let choice = Choice {
         weights: [1.0; Mutation::COUNT],
         by_rule: false,
     };
-    chain.propose(space, &moves(), &choice, random)
+    chain.propose(space, settings, &choice, random)
 }
 
 #[test]
@@ -120,16 +122,28 @@ fn a_proposal_keeps_nothing_of_those_before() {
         let space = space(&stage);
         let (mut path, mut chain, mut afresh) = Default::default();
         let mut bidirectional = BidirectionalMutation::new(1, 8);
+        let settings = [moves(), moves_in_pixels(&stage.sensor)];
         for sample in 0..samples(60) {
             let mut random = numbers(33, sample);
+            let settings = &settings[sample as usize % 2];
             trace(&space, &TRACING, (33, sample), &mut path, &mut |found| {
                 let Some(seed) = found.path else { return };
                 Chain::start(&mut chain, seed);
                 for _ in 0..LENGTH {
                     Chain::start(&mut afresh, chain.current());
                     let mut same = random.clone();
-                    let again = any_proposal(&mut afresh, &space, &mut bidirectional, &mut same);
-                    let found = any_proposal(&mut chain, &space, &mut bidirectional, &mut random);
+                    let again = any_proposal(
+                        &mut afresh,
+                        (&space, settings),
+                        &mut bidirectional,
+                        &mut same,
+                    );
+                    let found = any_proposal(
+                        &mut chain,
+                        (&space, settings),
+                        &mut bidirectional,
+                        &mut random,
+                    );
                     let what = format!("{} {}", stage.name, seed.signature());
                     assert_eq!(found, again, "{what}");
                     assert_eq!(chain.tried(), afresh.tried(), "{what}");
@@ -158,8 +172,13 @@ fn a_proposal_keeps_nothing_of_those_before() {
 
 #[test]
 fn vertices_are_made_in_their_place_as_elsewhere() {
-    let stages = stages();
-    let mut met = [0_u32; 2];
+    let mut stages = stages();
+    stages.push(Stage {
+        name: "instances",
+        scene: placed(Vec3::ZERO),
+        sensor: camera(Vec3::new(0.5, 2.5, 5.0), Vec3::Y, 40.0, SIDE),
+    });
+    let (mut met, mut on_instances) = ([0_u32; 2], 0_u32);
     for (stage, hide_emitters) in stages
         .iter()
         .flat_map(|stage| [(stage, false), (stage, true)])
@@ -177,8 +196,12 @@ fn vertices_are_made_in_their_place_as_elsewhere() {
             let raster = random.next_vec2() * SIDE as f32;
             let camera = stage.sensor.sample_ray(raster, random.next_vec2());
             let (ray, event) = (camera.to_ray(), Event::Finite);
+            let before = space.rays();
             let object = space.meet_at(ray, true, event, &mut place);
-            let Some(elsewhere) = space.meet(ray, true) else {
+            let rays = space.rays() - before;
+            let elsewhere = space.meet(ray, true);
+            assert_eq!(space.rays() - before, 2 * rays);
+            let Some(elsewhere) = elsewhere else {
                 assert!(object.is_none());
                 continue;
             };
@@ -187,9 +210,12 @@ fn vertices_are_made_in_their_place_as_elsewhere() {
             let vertex = PathVertex::surface(&elsewhere, event);
             assert_eq!(format!("{place:?}"), format!("{vertex:?}"));
             met[usize::from(vertex.emitter().is_some())] += 1;
+            let in_world = stage.scene.objects_in_world().len();
+            on_instances += u32::from(vertex.object().is_some_and(|index| index >= in_world));
         }
     }
     assert!(met[0] > 20_000 && met[1] > 100, "{met:?}");
+    assert!(on_instances > 500, "{on_instances}");
 }
 
 #[test]

@@ -83,7 +83,7 @@ impl Mutate for CausticPerturbation {
     #[inline]
     fn site(&self, path: &Path) -> Option<Site> {
         head(path).map(|head| Site {
-            pivot: head,
+            last_moved: head - 1,
             last_changed: head,
         })
     }
@@ -98,7 +98,7 @@ impl Mutate for CausticPerturbation {
         path: &Path,
         site: Site,
     ) -> f64 {
-        let (head, vertices) = (site.pivot, path.vertices());
+        let (head, vertices) = (site.last_changed, path.vertices());
         let edge = |from: usize, to: usize| space.edge(&vertices[from], &vertices[to]);
         let (Some((out, _)), Some((in_1, _)), Some((seen, distance_squared))) =
             (edge(head, head - 1), edge(1, 2), edge(0, 1))
@@ -135,7 +135,7 @@ impl Mutate for CausticPerturbation {
         (current, proposal): (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
-        let (head, old) = (site.pivot, current.vertices());
+        let (head, old) = (site.last_changed, current.vertices());
         // Before the lens moves: how far directions turn belongs to the path as it is.
         let angle = match settings.caustic {
             CausticKernel::Logarithmic(kernel) => kernel.angle(random.next_f32()),

@@ -78,7 +78,7 @@ impl Chain {
         &self.current
     }
 
-    /// The last proposal, until it is settled.
+    /// The last proposal, until it is settled; in disorder where there was none.
     #[inline]
     pub fn proposal(&self) -> &Path {
         &self.proposal
@@ -215,7 +215,7 @@ impl Chain {
         }
     }
 
-    /// Makes a copy of the current path of the proposal, apart from what a mutation changes anyway.
+    /// Makes the proposal a copy of the current path, apart from what a mutation changes anyway.
     #[inline]
     fn prepare(&mut self, mutation: Mutation) {
         match self.difference {

@@ -42,7 +42,7 @@ pub(super) fn last_moved(path: &Path, mut passes: usize) -> Option<usize> {
 /// The site of a mutation whose last moved vertex is connected to the next one, where there is one.
 pub(super) fn site_up_to(path: &Path, last: usize) -> Site {
     Site {
-        pivot: last,
+        last_moved: last,
         last_changed: (last + 1).min(path.edges()),
     }
 }
@@ -59,8 +59,8 @@ pub(super) fn site_behind_finite(path: &Path) -> Option<Site> {
 /// Rebuilds vertices 1 to `last` of a proposal from a moved raster position and lens point on, and connects
 /// the last one to what follows; returns [`connection_factor`] there.
 ///
-/// - `paths`: the current path, and the proposal, which needs to be a copy of it behind `last` alone, and
-///   in its number of vertices.
+/// - `paths`: the current path, and the proposal, which needs to be a copy of it behind `last` alone, in its
+///   number of vertices, and in that it begins at a sensor.
 ///
 /// # Errors
 /// Why there is no such path.

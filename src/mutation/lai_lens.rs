@@ -28,7 +28,7 @@ impl Mutate for LaiLensPerturbation {
         path: &Path,
         site: Site,
     ) -> f64 {
-        let last = site.pivot;
+        let last = site.last_moved;
         connection_factor(space, settings, path, last) * area_factor(space, settings, path, last)
     }
 
@@ -42,9 +42,9 @@ impl Mutate for LaiLensPerturbation {
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
         let (current, proposal) = paths;
-        let work = ((current, &mut *proposal), site.pivot);
+        let work = ((current, &mut *proposal), site.last_moved);
         let factor = rebuild(space, settings, Some(Redirect::Aim), work, random)?;
-        Ok(factor * area_factor(space, settings, proposal, site.pivot))
+        Ok(factor * area_factor(space, settings, proposal, site.last_moved))
     }
 }
 

@@ -28,7 +28,7 @@ impl Mutate for LensPerturbation {
         path: &Path,
         site: Site,
     ) -> f64 {
-        connection_factor(space, settings, path, site.pivot)
+        connection_factor(space, settings, path, site.last_moved)
     }
 
     #[inline]
@@ -40,6 +40,6 @@ impl Mutate for LensPerturbation {
         paths: (&Path, &mut Path),
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
-        rebuild(space, settings, None, (paths, site.pivot), random)
+        rebuild(space, settings, None, (paths, site.last_moved), random)
     }
 }

@@ -54,18 +54,10 @@ pub fn mixture_density<'a>(
 fn move_the_same(a: Mutation, b: Mutation, path: &Path) -> bool {
     // What stays behind the Lai lens perturbation's finite vertices moves with all others.
     let is_lai_lens = |mutation| mutation == Mutation::LaiLens;
+    let last_moved = |mutation: Mutation| mutation.site(path).map(|site| site.last_moved);
     a == b
         || (!is_lai_lens(a)
             && !is_lai_lens(b)
-            && last_moved_by(a, path).is_some()
-            && last_moved_by(a, path) == last_moved_by(b, path))
-}
-
-/// Index of the last vertex that a mutation moves; `None` where it does not apply.
-fn last_moved_by(mutation: Mutation, path: &Path) -> Option<usize> {
-    let site = mutation.site(path)?;
-    Some(match mutation {
-        Mutation::Caustic => site.pivot - 1,
-        Mutation::Lens | Mutation::MultiChain | Mutation::LaiLens => site.pivot,
-    })
+            && last_moved(a).is_some()
+            && last_moved(a) == last_moved(b))
 }

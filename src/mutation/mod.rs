@@ -90,9 +90,8 @@ impl RasterDomain {
 /// signature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Site {
-    /// Index of the last vertex that moves, counted from the sensor; of the one whose direction is turned,
-    /// for the caustic perturbation.
-    pub pivot: usize,
+    /// Index of the last vertex that moves, counted from the sensor.
+    pub last_moved: usize,
     /// Index of the last vertex that changes, its position or its value.
     pub last_changed: usize,
 }
@@ -129,11 +128,11 @@ pub trait Mutate {
     /// Makes a proposal; returns [`Mutate::factor`] there, most of which the way to it has worked out.
     ///
     /// - `site`: where the mutation works on the current path.
-    /// - `current`: the path that is left.
-    /// - `proposal`: a copy of it, seen where it is seen, apart from what this mutation has changed in it before.
+    /// - `paths`: the current path, which is left; and what becomes the proposal: a copy of it, seen where it is
+    ///   seen, apart from what this mutation has changed in it before.
     ///
     /// # Errors
-    /// Why there is none; of the copy, no more has changed than the mutation changes.
+    /// Why there is none; of the copy, no more has changed than the mutation changes, and where it is seen.
     fn propose(
         &self,
         space: &PathSpace<'_>,

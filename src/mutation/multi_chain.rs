@@ -30,7 +30,7 @@ impl Mutate for MultiChainPerturbation {
         path: &Path,
         site: Site,
     ) -> f64 {
-        connection_factor(space, settings, path, site.pivot)
+        connection_factor(space, settings, path, site.last_moved)
     }
 
     #[inline]
@@ -43,6 +43,12 @@ impl Mutate for MultiChainPerturbation {
         random: &mut Stream,
     ) -> Result<f64, Rejection> {
         let redirect = Redirect::Turn(settings.angle);
-        rebuild(space, settings, Some(redirect), (paths, site.pivot), random)
+        rebuild(
+            space,
+            settings,
+            Some(redirect),
+            (paths, site.last_moved),
+            random,
+        )
     }
 }

@@ -79,7 +79,8 @@ impl<'s> PathSpace<'s> {
     }
 
     /// Lets a ray meet its first surface, and makes a vertex there, whose value is yet to be found; returns
-    /// the object there. As [`PathSpace::meet`] and [`PathVertex::surface`], with nothing copied.
+    /// the object there. As [`PathSpace::meet`] and [`PathVertex::surface`], without a copy of the point where
+    /// emitters are not hidden.
     ///
     /// - `vertex`: becomes it, where there is a surface.
     #[inline(always)]
@@ -99,8 +100,9 @@ impl<'s> PathSpace<'s> {
             let hit = self.scene.hit(&ray)?;
             self.scene.put_surface(&ray, &hit, &mut vertex.point)
         };
-        vertex.lie_on(object, event);
-        Some(object.1)
+        let (index, object) = object;
+        vertex.lie_on((index, object.emitter), event);
+        Some(object)
     }
 
     /// The first surface that a ray meets and that does not emit.

@@ -3,7 +3,7 @@
 use crate::bsdf::{BsdfSample, Component, Lobe};
 use crate::emitter::{EmittedRay, EmitterClass, EmitterSample};
 use crate::math::{Rgb, Vec3};
-use crate::scene::{EmitterId, Interaction, Object};
+use crate::scene::{EmitterId, Interaction};
 use crate::shape::SurfacePoint;
 
 /// Where a vertex lies.
@@ -127,26 +127,23 @@ impl PathVertex {
     /// A vertex where a ray met a surface; its value is yet to be found.
     #[inline]
     pub fn surface(met: &Interaction<'_>, event: Event) -> Self {
-        Self {
+        let mut vertex = Self {
             point: met.point,
-            value: Rgb::BLACK,
-            adjoint: 1.0,
-            object: met.object,
-            emitter: met.emitter.map_or(Self::NONE, |id| id.0),
-            kind: VertexKind::Surface,
-            event,
-        }
+            ..Self::sensor(Vec3::ZERO)
+        };
+        vertex.lie_on((met.object, met.emitter), event);
+        vertex
     }
 
     /// Makes a vertex of one that has a surface's point already; its value is yet to be found.
     ///
-    /// - `object`: with its index.
+    /// - `object`, `emitter`: index of the object there, and the light there.
     #[inline(always)]
-    pub(super) fn lie_on(&mut self, (index, object): (u32, &Object), event: Event) {
+    pub(super) fn lie_on(&mut self, (object, emitter): (u32, Option<EmitterId>), event: Event) {
         self.value = Rgb::BLACK;
         self.adjoint = 1.0;
-        self.object = index;
-        self.emitter = object.emitter.map_or(Self::NONE, |id| id.0);
+        self.object = object;
+        self.emitter = emitter.map_or(Self::NONE, |id| id.0);
         self.kind = VertexKind::Surface;
         self.event = event;
     }

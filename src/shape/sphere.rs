@@ -82,7 +82,8 @@ impl Sphere {
     }
 
     /// Leaves the coordinates out of points, too, for speed: where neither the material nor the light there
-    /// asks for them. [`ShapeModel::coordinates`] still knows them, of points in the sphere's own space.
+    /// asks for them. [`ShapeModel::coordinates`] still knows them. Not for spheres of groups: a point that an
+    /// instance has placed says no longer where on the sphere it was.
     pub fn omit_coordinates(&mut self) {
         self.coordinates = false;
         self.derivatives = false;
@@ -103,12 +104,10 @@ impl Sphere {
     fn point(&self, outward: Vec3) -> SurfacePoint {
         let normal = outward * self.side;
         let mut point = SurfacePoint {
-            position: self.centre + outward * self.radius,
             geometric_normal: normal,
             shading_normal: normal,
-            derivatives: Derivatives::NONE,
-            uv: Vec2::ZERO,
             error: self.error,
+            ..SurfacePoint::bare(self.centre + outward * self.radius)
         };
         if self.coordinates {
             point.uv = self.coordinates_toward(outward);
@@ -207,6 +206,9 @@ impl ShapeModel for Sphere {
     }
 
     fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
+        if self.coordinates {
+            return point.uv;
+        }
         self.coordinates_toward(point.geometric_normal * self.side)
     }
 

@@ -289,7 +289,8 @@ fn spheres_know_their_coordinates_where_somebody_asks() {
     let placed = |of: &str| {
         format!(
             "<shape type='shapegroup' id='group'><shape type='sphere'>{of}</shape></shape>
-            <shape type='instance'><ref id='group'/></shape>"
+            <shape type='instance'><ref id='group'/><transform name='to_world'>
+            <rotate x='1' y='2' angle='70'/><scale x='2' y='1' z='1'/></transform></shape>"
         )
     };
     let alone = |of: &str| format!("<shape type='sphere'>{of}</shape>");
@@ -308,7 +309,12 @@ fn spheres_know_their_coordinates_where_somebody_asks() {
         let ray = Ray::new(Vec3::new(0.3, 0.2, 4.0), Vec3::NEG_Z);
         let hit = imported.scene.intersect(&ray).expect("the sphere is there");
         assert_eq!(hit.point.uv != Vec2::ZERO, asks, "{shapes}");
-        places.push(imported.scene.coordinates(&hit));
+        let place = imported.scene.coordinates(&hit);
+        if shapes.contains("instance") {
+            assert_eq!(place, hit.point.uv);
+        } else {
+            places.push(place);
+        }
     }
     let (azimuth, polar) = (0.2_f32.atan2(0.3) / TAU, 0.87_f32.sqrt().acos() / PI);
     for place in places {
