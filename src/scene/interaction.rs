@@ -71,7 +71,9 @@ impl<'s> Interaction<'s> {
 #[inline(always)]
 pub(super) fn put_point_in_world(shape: &Shape, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) {
     match shape {
-        Shape::TriangleMesh(mesh) => mesh.put_surface(&shape_hit(ray, hit), point),
+        Shape::TriangleMesh(mesh) => {
+            mesh.put_point(hit.primitive, Vec2::new(hit.u, hit.v), point);
+        }
         shape => *point = point_of_other(shape, ray, hit),
     }
 }

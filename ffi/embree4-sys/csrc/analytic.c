@@ -75,7 +75,7 @@ static bool cross_sphere(const struct ShimShape *shape, const struct RTCRay *ray
                             origin[2] * direction[0] - origin[0] * direction[2],
                             origin[0] * direction[1] - origin[1] * direction[0]};
     double chord_squared = shape->radius * shape->radius * squared_length - dot(area, area);
-    /* Most rays that miss have not divided, nor taken a root. */
+    /* A ray that misses has not divided, nor taken a root. */
     if (!(chord_squared >= 0.0))
         return false;
     double half_chord = sqrt(chord_squared);

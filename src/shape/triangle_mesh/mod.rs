@@ -158,21 +158,15 @@ impl TriangleMesh {
         point
     }
 
-    /// [`TriangleMesh::point`], put in its place.
+    /// The point of a triangle at the barycentrics of its second and third vertex, put in its place.
+    ///
+    /// - `point`: becomes it.
     #[inline(always)]
-    fn put_point(&self, primitive: u32, barycentrics: Vec2, point: &mut SurfacePoint) {
+    pub fn put_point(&self, primitive: u32, barycentrics: Vec2, point: &mut SurfacePoint) {
         match self.facets.get(primitive as usize) {
             Some(facet) => *point = self.point_of(facet, primitive, barycentrics),
             None => *point = self.unprepared_point(primitive, barycentrics),
         }
-    }
-
-    /// As [`ShapeModel::surface_at`], with the point put in its place.
-    ///
-    /// - `point`: becomes it.
-    #[inline(always)]
-    pub fn put_surface(&self, hit: &ShapeHit, point: &mut SurfacePoint) {
-        self.put_point(hit.primitive, hit.barycentrics, point);
     }
 
     /// [`TriangleMesh::point`] for large meshes.
