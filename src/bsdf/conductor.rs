@@ -2,8 +2,8 @@
 
 use super::fresnel::ComplexIor;
 use super::{
-    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
-    Transport,
+    Bend, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled,
+    Spare, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -28,12 +28,17 @@ impl Conductor {
         }
     }
 
-    /// The mirror direction and its coefficient; `None` from behind.
+    /// [`BsdfModel::follow`] by the signed cosine of `wi`; `None` from behind.
     #[inline]
-    fn event(&self, wi: Local, at: &SurfacePoint) -> Option<DiracEvent> {
-        (wi.cos() > 0.0).then(|| DiracEvent {
-            direction: wi.mirrored(),
-            coefficient: conductor_reflectance(self.ior.as_ref(), wi.cos())
+    pub(super) fn bend(
+        &self,
+        cos: f32,
+        at: &SurfacePoint,
+        component: Component,
+    ) -> Option<DiracEvent<Bend>> {
+        (cos > 0.0 && component.0 == 0).then(|| DiracEvent {
+            direction: Bend::mirrored(cos),
+            coefficient: conductor_reflectance(self.ior.as_ref(), cos)
                 * self.specular_reflectance.colour(at.uv),
             probability: 1.0,
             lobe: Lobe::Specular,
@@ -80,7 +85,8 @@ impl BsdfModel for Conductor {
         _u_lobe: f32,
         _u: Vec2,
     ) -> Option<BsdfSample> {
-        self.event(wi, at)?.sampled(Component(0))
+        let only = Component(0);
+        self.bend(wi.cos(), at, only)?.of(wi).sampled(only)
     }
 
     #[inline]
@@ -106,7 +112,7 @@ impl BsdfModel for Conductor {
         _transport: Transport,
         component: Component,
     ) -> Option<DiracEvent> {
-        (component.0 == 0).then(|| self.event(wi, at)).flatten()
+        Some(self.bend(wi.cos(), at, component)?.of(wi))
     }
 
     fn component_count(&self) -> u8 {

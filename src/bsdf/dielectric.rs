@@ -2,8 +2,8 @@
 
 use super::fresnel::{Refraction, RelativeIor};
 use super::{
-    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
-    Transport,
+    Bend, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled,
+    Spare, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -43,7 +43,7 @@ impl Dielectric {
         }
     }
 
-    /// One component's event, after Fresnel's equations.
+    /// One component's event for a signed cosine of `wi`, after Fresnel's equations.
     ///
     /// Radiance is concentrated by refraction into the denser side: it grows with the square of the
     /// index, so what comes from `wo`'s side is multiplied by `(η_i / η_o)²`. Importance is not.
@@ -52,22 +52,20 @@ impl Dielectric {
     #[inline]
     fn event(
         &self,
-        wi: Local,
-        ior: RelativeIor,
-        refraction: Refraction,
+        cos: f32,
+        (ior, refraction): (RelativeIor, Refraction),
         at: &SurfacePoint,
         transport: Transport,
         component: Component,
-    ) -> Option<DiracEvent> {
+    ) -> Option<DiracEvent<Bend>> {
         let (probability, eta, direction, tint) = match component {
             REFLECTION => {
                 let tint = self.specular_reflectance.colour(at.uv);
-                (refraction.reflectance, 1.0, wi.mirrored(), tint)
+                (refraction.reflectance, 1.0, Bend::mirrored(cos), tint)
             }
             TRANSMISSION => {
-                let cos = refraction.cos_refracted.copysign(-wi.cos());
                 let eta = ior.inverse();
-                let direction = Local::new(-wi.0.x * eta, -wi.0.y * eta, cos);
+                let direction = Bend::refracted(eta, refraction.cos_refracted.copysign(-cos));
                 let tint = self.specular_transmittance.colour(at.uv);
                 (1.0 - refraction.reflectance, eta, direction, tint)
             }
@@ -83,15 +81,28 @@ impl Dielectric {
             probability,
             lobe: Lobe::Specular,
             eta,
-            cosine_ratio: direction.abs_cos() / wi.abs_cos(),
+            cosine_ratio: direction.cos().abs() / cos.abs(),
         })
     }
 
-    /// The index and Fresnel's answer as seen from `wi`; `None` in the plane of the surface.
+    /// The index and Fresnel's answer as seen from the side of `wi`, by its signed cosine; `None` in the
+    /// plane of the surface.
     #[inline]
-    fn refract(&self, wi: Local) -> Option<(RelativeIor, Refraction)> {
-        let ior = self.ior.seen_from(wi.cos());
-        (wi.cos() != 0.0).then(|| (ior, ior.refract(wi.abs_cos())))
+    fn refract(&self, cos: f32) -> Option<(RelativeIor, Refraction)> {
+        let ior = self.ior.seen_from(cos);
+        (cos != 0.0).then(|| (ior, ior.refract(cos.abs())))
+    }
+
+    /// [`BsdfModel::follow`] by the signed cosine of `wi`.
+    #[inline]
+    pub(super) fn bend(
+        &self,
+        cos: f32,
+        at: &SurfacePoint,
+        transport: Transport,
+        component: Component,
+    ) -> Option<DiracEvent<Bend>> {
+        self.event(cos, self.refract(cos)?, at, transport, component)
     }
 }
 
@@ -122,13 +133,14 @@ impl BsdfModel for Dielectric {
         u_lobe: f32,
         _u: Vec2,
     ) -> Option<BsdfSample> {
-        let (ior, refraction) = self.refract(wi)?;
-        let component = if u_lobe < refraction.reflectance {
+        let optics = self.refract(wi.cos())?;
+        let component = if u_lobe < optics.1.reflectance {
             REFLECTION
         } else {
             TRANSMISSION
         };
-        self.event(wi, ior, refraction, at, transport, component)?
+        self.event(wi.cos(), optics, at, transport, component)?
+            .of(wi)
             .sampled(component)
     }
 
@@ -155,8 +167,8 @@ impl BsdfModel for Dielectric {
         transport: Transport,
         component: Component,
     ) -> Option<DiracEvent> {
-        let (ior, refraction) = self.refract(wi)?;
-        self.event(wi, ior, refraction, at, transport, component)
+        let event = self.bend(wi.cos(), at, transport, component)?;
+        Some(event.of(wi))
     }
 
     fn component_count(&self) -> u8 {

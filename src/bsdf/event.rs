@@ -97,9 +97,9 @@ impl BsdfSample {
 
 /// A Dirac component followed from one direction.
 #[derive(Clone, Copy, Debug)]
-pub struct DiracEvent {
+pub struct DiracEvent<Direction = Local> {
     /// The only direction `wo` that the component sends `wi` to.
-    pub direction: Local,
+    pub direction: Direction,
     /// Coefficient of the Dirac, `|cos θ_o|` cancelled.
     pub coefficient: Rgb,
     /// Probability with which [`super::BsdfModel::sample`] selects the component.
@@ -112,7 +112,7 @@ pub struct DiracEvent {
     pub cosine_ratio: f32,
 }
 
-impl DiracEvent {
+impl<Direction> DiracEvent<Direction> {
     /// Solid angle around `wi` for each solid angle around [`DiracEvent::direction`].
     ///
     /// Refraction keeps `n² |cos θ| dω`; everything else keeps `dω`.
@@ -120,7 +120,9 @@ impl DiracEvent {
     pub fn inverse_stretch(&self) -> f32 {
         self.cosine_ratio / (self.eta * self.eta)
     }
+}
 
+impl DiracEvent {
     /// The sample that selected this event; `None` when it has no chance to be selected.
     #[inline]
     pub(super) fn sampled(self, component: Component) -> Option<BsdfSample> {

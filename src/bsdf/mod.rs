@@ -14,6 +14,7 @@
 //! A new model is a file, a line in `bsdf_models!` and an arm in the importer. The tests pick it up
 //! from its [`BsdfModel::examples`].
 
+mod bend;
 mod bent;
 mod bump_map;
 mod clearcoat;
@@ -56,6 +57,7 @@ mod two_sided;
 mod varnish;
 mod ward;
 
+pub use bend::Bend;
 pub use bent::{Bent, Lean};
 pub use bump_map::{BumpMap, Heights};
 pub use coating::Coating;

@@ -1,8 +1,8 @@
 //! No surface at all.
 
 use super::{
-    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
-    Transport,
+    Bend, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled,
+    Spare, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -12,17 +12,17 @@ use crate::shape::SurfacePoint;
 pub struct Null;
 
 impl Null {
-    /// The event of every direction: straight on, unchanged.
+    /// The event of every direction, by its signed cosine: straight on, unchanged.
     #[inline]
-    fn event(wi: Local) -> DiracEvent {
-        DiracEvent {
-            direction: wi.straight_on(),
+    pub(super) fn bend(self, cos: f32, component: Component) -> Option<DiracEvent<Bend>> {
+        (component.0 == 0).then(|| DiracEvent {
+            direction: Bend::straight_on(cos),
             coefficient: Rgb::WHITE,
             probability: 1.0,
             lobe: Lobe::Null,
             eta: 1.0,
             cosine_ratio: 1.0,
-        }
+        })
     }
 }
 
@@ -49,7 +49,8 @@ impl BsdfModel for Null {
         _u_lobe: f32,
         _u: Vec2,
     ) -> Option<BsdfSample> {
-        Self::event(wi).sampled(Component(0))
+        let only = Component(0);
+        self.bend(wi.cos(), only)?.of(wi).sampled(only)
     }
 
     #[inline]
@@ -75,7 +76,7 @@ impl BsdfModel for Null {
         _transport: Transport,
         component: Component,
     ) -> Option<DiracEvent> {
-        (component.0 == 0).then(|| Self::event(wi))
+        Some(self.bend(wi.cos(), component)?.of(wi))
     }
 
     fn component_count(&self) -> u8 {

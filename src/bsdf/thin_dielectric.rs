@@ -2,8 +2,8 @@
 
 use super::fresnel::RelativeIor;
 use super::{
-    BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled, Spare,
-    Transport,
+    Bend, BsdfModel, BsdfSample, Component, DiracEvent, Lobe, LobeSet, SampleNumbers, Sampled,
+    Spare, Transport,
 };
 use crate::math::{Local, Rgb, SolidAngleDensity, Vec2};
 use crate::shape::SurfacePoint;
@@ -53,20 +53,20 @@ impl ThinDielectric {
         2.0 * single / (1.0 + single)
     }
 
-    /// One component's event.
+    /// One component's event for a signed cosine of `wi`.
     #[inline]
     fn event(
         &self,
-        wi: Local,
+        cos: f32,
         reflectance: f32,
         at: &SurfacePoint,
         component: Component,
-    ) -> Option<DiracEvent> {
+    ) -> Option<DiracEvent<Bend>> {
         let (probability, direction, tint) = match component {
-            REFLECTION => (reflectance, wi.mirrored(), &self.specular_reflectance),
+            REFLECTION => (reflectance, Bend::mirrored(cos), &self.specular_reflectance),
             TRANSMISSION => (
                 1.0 - reflectance,
-                wi.straight_on(),
+                Bend::straight_on(cos),
                 &self.specular_transmittance,
             ),
             _ => return None,
@@ -79,6 +79,17 @@ impl ThinDielectric {
             eta: 1.0,
             cosine_ratio: 1.0,
         })
+    }
+
+    /// [`BsdfModel::follow`] by the signed cosine of `wi`.
+    #[inline]
+    pub(super) fn bend(
+        &self,
+        cos: f32,
+        at: &SurfacePoint,
+        component: Component,
+    ) -> Option<DiracEvent<Bend>> {
+        self.event(cos, self.reflectance(cos.abs()), at, component)
     }
 }
 
@@ -114,7 +125,8 @@ impl BsdfModel for ThinDielectric {
         } else {
             TRANSMISSION
         };
-        self.event(wi, reflectance, at, component)?
+        self.event(wi.cos(), reflectance, at, component)?
+            .of(wi)
             .sampled(component)
     }
 
@@ -141,7 +153,7 @@ impl BsdfModel for ThinDielectric {
         _transport: Transport,
         component: Component,
     ) -> Option<DiracEvent> {
-        self.event(wi, self.reflectance(wi.abs_cos()), at, component)
+        Some(self.bend(wi.cos(), at, component)?.of(wi))
     }
 
     fn component_count(&self) -> u8 {

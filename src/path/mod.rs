@@ -8,6 +8,7 @@
 
 mod bidirectional;
 mod density;
+mod dirac;
 mod inverse;
 mod light_path;
 mod mis;
@@ -22,9 +23,10 @@ pub use bidirectional::{
     LightSubpath, SubVertex, Techniques, Weighing,
 };
 pub use density::{Coordinates, Generation, Technique};
+pub use dirac::Followed;
 pub use light_path::{CAPACITY, Path, Signature};
 pub use mis::Heuristic;
-pub use space::{Followed, PathRules, PathSpace};
+pub use space::{PathRules, PathSpace};
 pub use tracer::{Found, PathTracing, camera_sample};
 pub use verify::{Broken, Claim, Tolerance};
 pub use vertex::{Event, PathVertex, VertexKind};

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use super::{Event, PathVertex, VertexKind};
 use crate::accel::Ray;
-use crate::bsdf::{Bsdf, BsdfModel, DiracEvent, Transport};
+use crate::bsdf::{Bsdf, BsdfModel, Transport};
 use crate::emitter::{EmitterClass, EmitterModel};
 use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::scene::{Interaction, Object, Scene};
@@ -32,17 +32,6 @@ pub struct PathSpace<'s> {
     /// What counts as a path.
     pub rules: PathRules,
     rays: Cell<u64>,
-}
-
-/// The only direction into which a Dirac component sends light.
-#[derive(Clone, Copy, Debug)]
-pub struct Followed {
-    /// World-space unit direction away from the vertex.
-    pub direction: Vec3,
-    /// As [`PathVertex::value`].
-    pub value: Rgb,
-    /// As [`PathVertex::adjoint`].
-    pub adjoint: f32,
 }
 
 impl<'s> PathSpace<'s> {
@@ -248,7 +237,8 @@ impl<'s> PathSpace<'s> {
     }
 
     /// `f_s · |n_s · ω_l|` of the finite lobes: radiance from `to_light` scattered to `to_eye`.
-    #[inline]
+    // By a call, directions would pass through memory, written and read in different pieces.
+    #[inline(always)]
     pub fn finite_value(&self, vertex: &PathVertex, to_eye: Vec3, to_light: Vec3) -> Rgb {
         let object = vertex.object();
         let Some(object) = object.and_then(|index| self.scene.objects().get(index)) else {
@@ -277,71 +267,10 @@ impl<'s> PathSpace<'s> {
     ) -> Rgb {
         let frame = point.shading_frame();
         let (wi, wo) = (frame.to_local(to_eye), frame.to_local(to_light));
-        if !self.sides_agree(point, (wi, to_eye), (wo, to_light)) {
+        if !self.sides_agree(point, (wi.cos(), to_eye), (wo.cos(), to_light)) {
             return Rgb::BLACK;
         }
         bsdf.eval(wi, wo, point, Transport::Radiance)
-    }
-
-    /// Follows a Dirac event from the eye's side to the light's.
-    ///
-    /// `None` where the material has no such event there, or sends nothing.
-    #[inline]
-    pub fn follow(&self, vertex: &PathVertex, event: Event, to_eye: Vec3) -> Option<Followed> {
-        let frame = vertex.point.shading_frame();
-        let wi = frame.to_local(to_eye);
-        let found = self.dirac(vertex, event, wi, Transport::Radiance)?;
-        let direction = frame.to_world(found.direction);
-        if !self.sides_agree(&vertex.point, (wi, to_eye), (found.direction, direction)) {
-            return None;
-        }
-        let cosines = vertex.geometric_cos(to_eye) / vertex.geometric_cos(direction);
-        (!found.coefficient.is_black()).then(|| Followed {
-            direction,
-            value: found.coefficient,
-            adjoint: cosines * found.inverse_stretch(),
-        })
-    }
-
-    /// Follows a Dirac event from the light's side to the eye's; value and factor are those of
-    /// [`PathSpace::follow`] from there.
-    ///
-    /// Differs: the coefficient for importance with its shading-normal factor (Veach 1997, Sec. 5.3) is
-    /// kept as the one for radiance times [`PathVertex::adjoint`], so that a vertex means the same
-    /// whichever side it was made from.
-    #[inline]
-    pub fn follow_back(
-        &self,
-        vertex: &PathVertex,
-        event: Event,
-        to_light: Vec3,
-    ) -> Option<Followed> {
-        let frame = vertex.point.shading_frame();
-        let wi = frame.to_local(to_light);
-        let found = self.dirac(vertex, event, wi, Transport::Importance)?;
-        let direction = frame.to_world(found.direction);
-        let from_eye = self.follow(vertex, event, direction)?;
-        Some(Followed {
-            direction,
-            ..from_eye
-        })
-    }
-
-    #[inline]
-    pub(super) fn dirac(
-        &self,
-        vertex: &PathVertex,
-        event: Event,
-        wi: Local,
-        transport: Transport,
-    ) -> Option<DiracEvent> {
-        let component = event.component()?;
-        let bsdf = self.bsdf(vertex)?;
-        if component.0 >= bsdf.component_count() {
-            return None;
-        }
-        let found = bsdf.follow(wi, &vertex.point, transport, component)?;
-        (Event::of_lobe(found.lobe, component) == event).then_some(found)
     }
 
     /// What an emitter's vertex sends in a unit direction away from it.
@@ -362,9 +291,10 @@ impl<'s> PathSpace<'s> {
         }
     }
 
-    /// False where `strict_normals` forbids a pair of directions, each given in both frames.
+    /// False where `strict_normals` forbids a pair of directions, each given with its signed cosine to the
+    /// shading normal.
     #[inline]
-    fn sides_agree(&self, point: &SurfacePoint, a: (Local, Vec3), b: (Local, Vec3)) -> bool {
+    pub(super) fn sides_agree(&self, point: &SurfacePoint, a: (f32, Vec3), b: (f32, Vec3)) -> bool {
         let normal = point.geometric_normal;
         !self.rules.strict_normals || (is_same_side(normal, a) && is_same_side(normal, b))
     }
@@ -376,13 +306,14 @@ impl<'s> PathSpace<'s> {
     pub(super) fn strict_agrees(&self, met: &Interaction<'_>, local: Local, world: Vec3) -> bool {
         let normal = met.point.geometric_normal;
         !self.rules.strict_normals
-            || (is_same_side(normal, (met.wi, met.back)) && is_same_side(normal, (local, world)))
+            || (is_same_side(normal, (met.wi.cos(), met.back))
+                && is_same_side(normal, (local.cos(), world)))
     }
 }
 
-/// True when a direction, given in both frames, lies on the same side of the true and of the shaded
-/// surface.
+/// True when a direction, given with its signed cosine to the shading normal, lies on the same side of the
+/// true and of the shaded surface.
 #[inline]
-fn is_same_side(normal: Vec3, (local, world): (Local, Vec3)) -> bool {
-    normal.dot(world) * local.cos() > 0.0
+fn is_same_side(normal: Vec3, (cos, world): (f32, Vec3)) -> bool {
+    normal.dot(world) * cos > 0.0
 }
