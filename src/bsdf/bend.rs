@@ -64,6 +64,13 @@ impl Bend {
 }
 
 impl DiracEvent<Bend> {
+    /// What it is to a side whose cosines are `turn` times as large.
+    #[inline(always)]
+    fn turned(mut self, turn: f32) -> Self {
+        self.direction.cos *= turn;
+        self
+    }
+
     /// The event of a direction that has the cosine of which this one was made.
     #[inline]
     pub(super) fn of(self, wi: Local) -> DiracEvent {
@@ -79,8 +86,31 @@ impl DiracEvent<Bend> {
 }
 
 impl Bsdf {
-    /// [`BsdfModel::follow`](super::BsdfModel::follow) by the signed cosine of `wi` alone, for the smooth
-    /// materials that do with it; `None` for others.
+    /// Whether the material is smooth: [`Bsdf::follow_by_cosine`] and [`Bsdf::sample_by_cosine`] know it.
+    pub fn is_smooth(&self) -> bool {
+        let seen = match self {
+            Self::TwoSided(sides) => sides.sole(),
+            other => Some(other),
+        };
+        seen.is_some_and(|bsdf| {
+            matches!(
+                bsdf,
+                Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Conductor(_) | Self::Null(_)
+            )
+        })
+    }
+
+    /// The one material of both sides of this one, and the factor on cosines as it sees them: -1 from behind.
+    #[inline(always)]
+    fn seen_by_cosine(&self, cos: f32) -> Option<(&Self, f32)> {
+        match self {
+            Self::TwoSided(sides) => Some((sides.sole()?, if cos > 0.0 { 1.0 } else { -1.0 })),
+            other => Some((other, 1.0)),
+        }
+    }
+
+    /// [`BsdfModel::follow`](super::BsdfModel::follow) by the signed cosine of `wi` alone, for smooth
+    /// materials; `None` for others.
     #[inline(always)]
     pub fn follow_by_cosine(
         &self,
@@ -89,22 +119,43 @@ impl Bsdf {
         transport: Transport,
         component: Component,
     ) -> Option<Option<DiracEvent<Bend>>> {
-        let (bsdf, turn) = match self {
-            Self::TwoSided(sides) if cos <= 0.0 => (sides.sole()?, -1.0),
-            Self::TwoSided(sides) => (sides.sole()?, 1.0),
-            other => (other, 1.0),
-        };
+        let (bsdf, turn) = self.seen_by_cosine(cos)?;
         let event = match bsdf {
-            Self::Dielectric(glass) => glass.bend(cos, at, transport, component),
-            Self::ThinDielectric(pane) => pane.bend(cos, at, component),
+            Self::Dielectric(glass) => glass.bend(cos * turn, at, transport, component),
+            Self::ThinDielectric(pane) => pane.bend(cos * turn, at, component),
             Self::Conductor(metal) => metal.bend(cos * turn, at, component),
-            Self::Null(null) => null.bend(cos, component),
+            Self::Null(null) => null.bend(cos * turn, component),
             _ => return None,
         };
-        Some(event.map(|mut event| {
-            event.direction.cos *= turn;
-            event
-        }))
+        Some(event.map(|event| event.turned(turn)))
+    }
+
+    /// [`BsdfModel::sample`](super::BsdfModel::sample) by the signed cosine of `wi` alone, for smooth
+    /// materials; `None` for others.
+    ///
+    /// - `u_lobe`: uniform in `[0, 1)`.
+    #[inline(always)]
+    pub fn sample_by_cosine(
+        &self,
+        cos: f32,
+        at: &SurfacePoint,
+        transport: Transport,
+        u_lobe: f32,
+    ) -> Option<Option<DiracEvent<Bend>>> {
+        let (bsdf, turn) = self.seen_by_cosine(cos)?;
+        let only = Component(0);
+        let event = match bsdf {
+            Self::Dielectric(glass) => glass
+                .choose(cos * turn, at, transport, u_lobe)
+                .map(|(event, _)| event),
+            Self::ThinDielectric(pane) => {
+                pane.choose(cos * turn, at, u_lobe).map(|(event, _)| event)
+            }
+            Self::Conductor(metal) => metal.bend(cos * turn, at, only),
+            Self::Null(null) => null.bend(cos * turn, only),
+            _ => return None,
+        };
+        Some(event.map(|event| event.turned(turn)))
     }
 }
 
@@ -120,6 +171,11 @@ mod tests {
         Vec3::new(0.3, -0.8, 0.4).normalize()
     }
 
+    fn point() -> SurfacePoint {
+        let mesh = TriangleMesh::from(primitives::rectangle());
+        mesh.sample_area(Vec2::new(0.3, 0.9)).0
+    }
+
     fn smooth() -> Vec<Bsdf> {
         let mut all = Bsdf::examples();
         all.retain(|bsdf| {
@@ -131,47 +187,74 @@ mod tests {
         all
     }
 
+    /// Directions all around, each with what it is in the frame of [`slanted`].
+    fn seen() -> Vec<(Vec3, Local)> {
+        let frame = Frame::around(slanted());
+        let place = |i: u16| Vec2::new(f32::from(i) + 0.5, f32::from(i * 77 % 200)) / 200.0;
+        let all = (0..200).map(|i| warp::uniform_sphere(place(i)));
+        all.map(|wi| (wi, frame.to_local(wi))).collect()
+    }
+
+    fn assert_is_sent_to(bend: Bend, (wi, seen): (Vec3, Local), wo: Local) {
+        let sent = bend.of_world(wi, seen.cos(), slanted());
+        assert!((sent - Frame::around(slanted()).to_world(wo)).length() < 1e-6);
+        assert!((sent.length() - 1.0).abs() < 1e-6);
+        assert_eq!(bend.cos(), wo.cos());
+    }
+
     #[test]
     fn events_by_cosine_are_those_of_the_direction() {
-        let mesh = TriangleMesh::from(primitives::rectangle());
-        let (at, _) = mesh.sample_area(Vec2::new(0.3, 0.9));
-        let frame = Frame::around(slanted());
-        let mut found = 0;
+        let (at, mut found) = (point(), 0);
+        let components = || (0..3).map(Component);
         for bsdf in &smooth() {
-            for place in 0..200 {
-                let u = Vec2::new(
-                    (place as f32 + 0.5) / 200.0,
-                    (place * 77 % 200) as f32 / 200.0,
-                );
-                let wi = warp::uniform_sphere(u);
-                let seen = frame.to_local(wi);
-                for (transport, number) in [Transport::Radiance, Transport::Importance]
-                    .into_iter()
-                    .flat_map(|transport| (0..3).map(move |number| (transport, number)))
-                {
-                    let component = Component(number);
-                    let bend = bsdf.follow_by_cosine(seen.cos(), &at, transport, component);
-                    let bend = bend.expect("a smooth material");
-                    let event = bsdf.follow(seen, &at, transport, component);
-                    assert_eq!(bend.is_some(), event.is_some(), "{bsdf:?}");
-                    let (Some(bend), Some(event)) = (bend, event) else {
-                        continue;
-                    };
-                    found += 1;
-                    let wo = bend.direction.of_world(wi, seen.cos(), slanted());
-                    assert!(
-                        (wo - frame.to_world(event.direction)).length() < 1e-6,
-                        "{bsdf:?}"
-                    );
-                    assert!((wo.length() - 1.0).abs() < 1e-6);
-                    assert_eq!(bend.coefficient, event.coefficient);
-                    assert_eq!(bend.probability, event.probability);
-                    assert_eq!((bend.lobe, bend.eta), (event.lobe, event.eta));
-                    assert_eq!(bend.inverse_stretch(), event.inverse_stretch());
+            assert!(bsdf.is_smooth());
+            for (wi, seen) in seen() {
+                for transport in [Transport::Radiance, Transport::Importance] {
+                    for component in components() {
+                        let bend = bsdf.follow_by_cosine(seen.cos(), &at, transport, component);
+                        let bend = bend.expect("a smooth material");
+                        let event = bsdf.follow(seen, &at, transport, component);
+                        assert_eq!(bend.is_some(), event.is_some(), "{bsdf:?}");
+                        let (Some(bend), Some(event)) = (bend, event) else {
+                            continue;
+                        };
+                        found += 1;
+                        assert_is_sent_to(bend.direction, (wi, seen), event.direction);
+                        assert_eq!(bend.coefficient, event.coefficient);
+                        assert_eq!(bend.probability, event.probability);
+                        assert_eq!((bend.lobe, bend.eta), (event.lobe, event.eta));
+                        assert_eq!(bend.inverse_stretch(), event.inverse_stretch());
+                    }
                 }
             }
         }
         assert!(found > 3000, "{found}");
+    }
+
+    #[test]
+    fn samples_by_cosine_are_those_of_the_direction() {
+        let (at, mut found) = (point(), 0);
+        for bsdf in &smooth() {
+            for (number, (wi, seen)) in seen().into_iter().enumerate() {
+                let u_lobe = (number * 13 % 200) as f32 / 200.0;
+                for transport in [Transport::Radiance, Transport::Importance] {
+                    let bend = bsdf.sample_by_cosine(seen.cos(), &at, transport, u_lobe);
+                    let bend = bend.expect("a smooth material");
+                    let sample = bsdf.sample(seen, &at, transport, u_lobe, Vec2::splat(0.5));
+                    assert_eq!(bend.is_some(), sample.is_some(), "{bsdf:?}");
+                    let (Some(bend), Some(sample)) = (bend, sample) else {
+                        continue;
+                    };
+                    found += 1;
+                    assert_is_sent_to(bend.direction, (wi, seen), sample.direction);
+                    assert_eq!(bend.coefficient, sample.value);
+                    assert_eq!(bend.probability, sample.density);
+                    assert_eq!(bend.coefficient / bend.probability, sample.weight);
+                    assert_eq!((bend.lobe, bend.eta), (sample.lobe, sample.eta));
+                }
+            }
+        }
+        assert!(found > 2000, "{found}");
     }
 
     #[test]
@@ -187,8 +270,7 @@ mod tests {
     #[test]
     fn other_materials_need_the_direction() {
         let smooth: Vec<&str> = smooth().iter().map(Bsdf::name).collect();
-        let mesh = TriangleMesh::from(primitives::rectangle());
-        let (at, _) = mesh.sample_area(Vec2::new(0.3, 0.9));
+        let at = point();
         let metal = || Bsdf::from(Conductor::new(None, 0.9));
         let mut others = Bsdf::examples();
         others.retain(|bsdf| !smooth.contains(&bsdf.name()));
@@ -199,8 +281,11 @@ mod tests {
                 .into(),
         );
         for bsdf in &others {
+            assert!(!bsdf.is_smooth());
             for cos in [-0.5, 0.5] {
                 let found = bsdf.follow_by_cosine(cos, &at, Transport::Radiance, Component(0));
+                assert!(found.is_none(), "{bsdf:?}");
+                let found = bsdf.sample_by_cosine(cos, &at, Transport::Radiance, 0.5);
                 assert!(found.is_none(), "{bsdf:?}");
             }
         }

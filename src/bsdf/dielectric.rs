@@ -104,6 +104,25 @@ impl Dielectric {
     ) -> Option<DiracEvent<Bend>> {
         self.event(cos, self.refract(cos)?, at, transport, component)
     }
+
+    /// [`BsdfModel::sample`] by the signed cosine of `wi`.
+    #[inline]
+    pub(super) fn choose(
+        &self,
+        cos: f32,
+        at: &SurfacePoint,
+        transport: Transport,
+        u_lobe: f32,
+    ) -> Option<(DiracEvent<Bend>, Component)> {
+        let optics = self.refract(cos)?;
+        let component = if u_lobe < optics.1.reflectance {
+            REFLECTION
+        } else {
+            TRANSMISSION
+        };
+        let event = self.event(cos, optics, at, transport, component)?;
+        Some((event, component))
+    }
 }
 
 impl BsdfModel for Dielectric {
@@ -133,15 +152,8 @@ impl BsdfModel for Dielectric {
         u_lobe: f32,
         _u: Vec2,
     ) -> Option<BsdfSample> {
-        let optics = self.refract(wi.cos())?;
-        let component = if u_lobe < optics.1.reflectance {
-            REFLECTION
-        } else {
-            TRANSMISSION
-        };
-        self.event(wi.cos(), optics, at, transport, component)?
-            .of(wi)
-            .sampled(component)
+        let (event, component) = self.choose(wi.cos(), at, transport, u_lobe)?;
+        event.of(wi).sampled(component)
     }
 
     #[inline]

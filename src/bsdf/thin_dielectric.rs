@@ -91,6 +91,24 @@ impl ThinDielectric {
     ) -> Option<DiracEvent<Bend>> {
         self.event(cos, self.reflectance(cos.abs()), at, component)
     }
+
+    /// [`BsdfModel::sample`] by the signed cosine of `wi`.
+    #[inline]
+    pub(super) fn choose(
+        &self,
+        cos: f32,
+        at: &SurfacePoint,
+        u_lobe: f32,
+    ) -> Option<(DiracEvent<Bend>, Component)> {
+        let reflectance = self.reflectance(cos.abs());
+        let component = if u_lobe < reflectance {
+            REFLECTION
+        } else {
+            TRANSMISSION
+        };
+        let event = self.event(cos, reflectance, at, component)?;
+        Some((event, component))
+    }
 }
 
 impl BsdfModel for ThinDielectric {
@@ -119,15 +137,8 @@ impl BsdfModel for ThinDielectric {
         u_lobe: f32,
         _u: Vec2,
     ) -> Option<BsdfSample> {
-        let reflectance = self.reflectance(wi.abs_cos());
-        let component = if u_lobe < reflectance {
-            REFLECTION
-        } else {
-            TRANSMISSION
-        };
-        self.event(wi.cos(), reflectance, at, component)?
-            .of(wi)
-            .sampled(component)
+        let (event, component) = self.choose(wi.cos(), at, u_lobe)?;
+        event.of(wi).sampled(component)
     }
 
     #[inline]

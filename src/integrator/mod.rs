@@ -18,6 +18,7 @@ mod pixel;
 mod pmc_er;
 mod pssmlt;
 mod render;
+mod smooth;
 mod wave;
 
 pub use aov::Aov;

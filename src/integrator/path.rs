@@ -48,7 +48,7 @@ pub(super) struct Walk {
     pub(super) throughput: Rgb,
     /// Product of [`BsdfSample::eta`] over the events so far: refraction has made radiance grow by
     /// its square.
-    eta: f32,
+    pub(super) eta: f32,
     pub(super) departure: Departure,
     pub(super) sampler: Sampler,
 }
@@ -304,6 +304,11 @@ impl PixelIntegrator for PathTracer {
                 self.escape(scene, depth, &mut walk, &ray);
                 break;
             };
+            if let Some(next) = self.pass(scene, depth, (&mut walk, &ray, &hit)) {
+                let Some(next) = next else { break };
+                ray = next;
+                continue;
+            }
             let surface = scene.interaction(&ray, &hit);
             if !self.arrive(scene, depth, &mut walk, &surface) {
                 break;

@@ -134,6 +134,7 @@ impl SceneBuilder {
             bsdf,
             lobes: material.lobes(),
             diffuse: material.sole_diffuse(),
+            is_smooth: material.is_smooth(),
             emitter: None,
         }
     }

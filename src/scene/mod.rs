@@ -38,6 +38,8 @@ pub struct Object {
     pub lobes: LobeSet,
     /// All about that material, where it is diffuse.
     pub diffuse: Option<SoleDiffuse>,
+    /// Whether that material is smooth, so that a cosine is all it asks for: [`Bsdf::is_smooth`].
+    pub is_smooth: bool,
     /// What it emits.
     pub emitter: Option<EmitterId>,
 }
@@ -210,6 +212,16 @@ impl Scene {
         let shape = &self.objects[index as usize].shape;
         *point = point_on_instance(placement, shape, ray, hit);
         index
+    }
+
+    /// The object that a hit lies on.
+    #[inline(always)]
+    pub fn object_at(&self, hit: &Hit) -> &Object {
+        let first = hit.instance.map_or(0, |instance| {
+            let group = self.instances[(instance - self.in_world) as usize].group;
+            self.groups[group.0 as usize].first
+        });
+        &self.objects[(first + hit.geometry) as usize]
     }
 
     /// Surface coordinates where a ray has met a surface, also where that leaves them out of its points.

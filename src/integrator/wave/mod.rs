@@ -171,6 +171,12 @@ fn advance_alone(
     outcome: &mut Outcome,
 ) {
     let walk = &mut walks[index as usize];
+    if let Some(next) = tracer.pass(scene, depth, (walk, ray, hit)) {
+        if let Some(next) = next {
+            outcome.next.push(index, next);
+        }
+        return;
+    }
     let surface = scene.interaction(ray, hit);
     if !tracer.arrive(scene, depth, walk, &surface) {
         return;
