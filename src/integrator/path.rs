@@ -155,7 +155,7 @@ impl PathTracer {
 impl PathTracer {
     /// A path that has not left the camera yet.
     #[inline]
-    fn start(&self, ray: &Ray, sampler: Sampler) -> Walk {
+    pub(super) fn start(&self, ray: &Ray, sampler: Sampler) -> Walk {
         Walk {
             estimate: Estimate {
                 radiance: Rgb::BLACK,

@@ -73,3 +73,129 @@ impl PathTracer {
         self.survives(depth, walk).then_some(next)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::{Bsdf, BsdfModel, Conductor, Diffuse, TwoSided};
+    use crate::math::{Mat4, Rgb, warp};
+    use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
+    use crate::scene::SceneBuilder;
+    use crate::scene::options::{OptionReader, OptionValue, Options};
+    use crate::shape::{Shape, Sphere, TriangleMesh, primitives};
+
+    fn tracer(options: [(&str, OptionValue); 2]) -> PathTracer {
+        let options = options.map(|(name, value)| (name.to_owned(), value));
+        PathTracer::from_options(&mut OptionReader::new(&Options::from(options))).unwrap()
+    }
+
+    fn unlimited() -> PathTracer {
+        let depths = [("max_depth", -1), ("rr_depth", 4)];
+        tracer(depths.map(|(name, depth)| (name, OptionValue::Integer(depth))))
+    }
+
+    /// A ball with a wall behind it, and another ball, of an instance, beside it.
+    fn scene(bsdf: Bsdf, radiance: Option<f32>) -> Scene {
+        let mut scene = SceneBuilder::new();
+        let bsdf = scene.add_bsdf(bsdf);
+        let ball = || Shape::from(Sphere::new(Vec3::ZERO, 1.0, Mat4::IDENTITY).unwrap());
+        let glow = || radiance.map(|radiance| Rgb::grey(radiance).into());
+        scene.add_shape(ball(), bsdf, glow()).unwrap();
+        let wall = TriangleMesh::from(primitives::rectangle());
+        scene.add_shape(wall, bsdf, glow()).unwrap();
+        let group = scene.add_group([(ball(), bsdf)]);
+        let aside = Mat4::from_translation(Vec3::new(3.0, 0.0, 0.0));
+        scene.add_instance(group, aside).unwrap();
+        scene.build().unwrap()
+    }
+
+    fn smooth() -> Vec<Bsdf> {
+        let mut all = Bsdf::examples();
+        all.retain(Bsdf::is_smooth);
+        let metal = Conductor::new(None, Rgb::new(0.7, 0.4, 0.2));
+        all.push(TwoSided::new(metal, None).unwrap().into());
+        all
+    }
+
+    /// Rays from all around to what stands there, and walks that go along them.
+    fn walks(scene: &Scene) -> Vec<(Ray, Hit, Sampler)> {
+        let ray = |pixel: u32| {
+            let address = PixelAddress {
+                seed: 3,
+                purpose: Purpose::Check,
+                pixel,
+                sample: 0,
+            };
+            let mut sampler = Sampler::new(SamplerKind::Independent, address);
+            let target = Vec3::new(3.0 * (pixel % 2) as f32, 0.0, 0.0);
+            let from = warp::uniform_sphere(sampler.next_2d()) * 5.0;
+            let to = target + warp::uniform_sphere(sampler.next_2d()) * 0.9;
+            let ray = Ray::new(from, (to - from).normalize());
+            Some((ray, scene.hit(&ray)?, sampler))
+        };
+        (0..400).filter_map(ray).collect()
+    }
+
+    #[test]
+    fn smooth_surfaces_are_passed_as_any_material_is() {
+        let (tracer, mut passed) = (unlimited(), 0);
+        for bsdf in smooth() {
+            let scene = scene(bsdf.clone(), None);
+            for ((ray, hit, sampler), depth) in
+                walks(&scene).into_iter().zip([1, 7].into_iter().cycle())
+            {
+                let start = || {
+                    let mut walk = tracer.start(&ray, sampler.clone());
+                    walk.throughput = Rgb::new(0.8, 0.3, 0.5);
+                    walk.eta = 1.25;
+                    walk
+                };
+                let (mut walk, mut expected) = (start(), start());
+                let next = tracer.pass(&scene, depth, (&mut walk, &ray, &hit)).unwrap();
+                let surface = scene.interaction(&ray, &hit);
+                assert!(tracer.arrive(&scene, depth, &mut expected, &surface));
+                assert!(tracer.connect(&scene, &mut expected, &surface).is_none());
+                let departed = tracer.depart(depth, &mut expected, &surface);
+                assert_eq!(next.is_some(), departed.is_some(), "{bsdf:?}");
+                if let (Some(next), Some(departed)) = (next, departed) {
+                    let turned = (next.direction() - departed.direction()).length();
+                    assert!(turned < 1e-6, "{bsdf:?}");
+                    assert!((next.origin() - departed.origin()).length() < 1e-6);
+                    passed += 1;
+                }
+                assert_eq!(walk.state(), expected.state(), "{bsdf:?}");
+                assert_eq!(walk.estimate.alpha, expected.estimate.alpha);
+                assert_eq!(walk.departure.position, expected.departure.position);
+                assert_eq!(walk.departure.density, expected.departure.density);
+                assert_eq!(walk.sampler.next_1d(), expected.sampler.next_1d());
+            }
+        }
+        assert!(passed > 1000, "{passed}");
+    }
+
+    #[test]
+    fn where_more_is_asked_for_nothing_is_passed() {
+        let glass = || smooth().swap_remove(0);
+        let strict = [
+            ("max_depth", OptionValue::Integer(-1)),
+            ("strict_normals", OptionValue::Boolean(true)),
+        ];
+        let depths = [("max_depth", 2), ("rr_depth", 4)];
+        let short = tracer(depths.map(|(name, depth)| (name, OptionValue::Integer(depth))));
+        for (tracer, bsdf, radiance, depth) in [
+            (tracer(strict), glass(), None, 1),
+            (short, glass(), None, 2),
+            (unlimited(), glass(), Some(1.0), 1),
+            (unlimited(), Diffuse::new(0.5).into(), None, 1),
+        ] {
+            let scene = scene(bsdf, radiance);
+            let all = walks(&scene);
+            let in_world = all.iter().filter(|(_, hit, _)| hit.instance.is_none());
+            for (ray, hit, sampler) in in_world {
+                let mut walk = tracer.start(ray, sampler.clone());
+                let passed = tracer.pass(&scene, depth, (&mut walk, ray, hit));
+                assert!(passed.is_none());
+            }
+        }
+    }
+}
