@@ -94,16 +94,16 @@ mod tests {
         tracer(depths.map(|(name, depth)| (name, OptionValue::Integer(depth))))
     }
 
-    /// A ball with a wall behind it, and another ball, of an instance, beside it.
-    fn scene(bsdf: Bsdf, radiance: Option<f32>) -> Scene {
+    /// A ball with a wall behind it, and another ball, of an instance and of another material, beside it.
+    fn scene([bsdf, instanced]: [Bsdf; 2], radiance: Option<f32>) -> Scene {
         let mut scene = SceneBuilder::new();
-        let bsdf = scene.add_bsdf(bsdf);
+        let [bsdf, instanced] = [bsdf, instanced].map(|bsdf| scene.add_bsdf(bsdf));
         let ball = || Shape::from(Sphere::new(Vec3::ZERO, 1.0, Mat4::IDENTITY).unwrap());
         let glow = || radiance.map(|radiance| Rgb::grey(radiance).into());
         scene.add_shape(ball(), bsdf, glow()).unwrap();
         let wall = TriangleMesh::from(primitives::rectangle());
         scene.add_shape(wall, bsdf, glow()).unwrap();
-        let group = scene.add_group([(ball(), bsdf)]);
+        let group = scene.add_group([(ball(), instanced)]);
         let aside = Mat4::from_translation(Vec3::new(3.0, 0.0, 0.0));
         scene.add_instance(group, aside).unwrap();
         scene.build().unwrap()
@@ -140,7 +140,7 @@ mod tests {
     fn smooth_surfaces_are_passed_as_any_material_is() {
         let (tracer, mut passed) = (unlimited(), 0);
         for bsdf in smooth() {
-            let scene = scene(bsdf.clone(), None);
+            let scene = scene([bsdf.clone(), bsdf.clone()], None);
             for ((ray, hit, sampler), depth) in
                 walks(&scene).into_iter().zip([1, 7].into_iter().cycle())
             {
@@ -188,13 +188,33 @@ mod tests {
             (unlimited(), glass(), Some(1.0), 1),
             (unlimited(), Diffuse::new(0.5).into(), None, 1),
         ] {
-            let scene = scene(bsdf, radiance);
-            let all = walks(&scene);
-            let in_world = all.iter().filter(|(_, hit, _)| hit.instance.is_none());
-            for (ray, hit, sampler) in in_world {
-                let mut walk = tracer.start(ray, sampler.clone());
-                let passed = tracer.pass(&scene, depth, (&mut walk, ray, hit));
+            // The instance does not glow.
+            let instanced = if radiance.is_some() {
+                Diffuse::new(0.5).into()
+            } else {
+                bsdf.clone()
+            };
+            let scene = scene([bsdf, instanced], radiance);
+            for (ray, hit, sampler) in walks(&scene) {
+                let mut walk = tracer.start(&ray, sampler);
+                let passed = tracer.pass(&scene, depth, (&mut walk, &ray, &hit));
                 assert!(passed.is_none());
+            }
+        }
+    }
+    #[test]
+    fn instances_are_passed_by_their_own_material() {
+        let (tracer, glass) = (unlimited(), || smooth().swap_remove(0));
+        for glass_in_world in [true, false] {
+            let mut bsdfs = [glass(), Diffuse::new(0.5).into()];
+            if !glass_in_world {
+                bsdfs.reverse();
+            }
+            let scene = scene(bsdfs, None);
+            for (ray, hit, sampler) in walks(&scene) {
+                let mut walk = tracer.start(&ray, sampler);
+                let passed = tracer.pass(&scene, 1, (&mut walk, &ray, &hit));
+                assert_eq!(passed.is_some(), hit.instance.is_none() == glass_in_world);
             }
         }
     }

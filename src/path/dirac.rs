@@ -134,3 +134,95 @@ impl PathSpace<'_> {
         (Event::of_lobe(found.lobe, component) == event).then_some(found)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Ray;
+    use crate::bsdf::{Bsdf, Component, Conductor, TwoSided};
+    use crate::math::{Mat4, Vec2, warp};
+    use crate::path::PathRules;
+    use crate::scene::{Scene, SceneBuilder};
+    use crate::sensor::{Orthographic, Sensor};
+    use crate::shape::Sphere;
+
+    fn ball(bsdf: &Bsdf) -> Scene {
+        let mut scene = SceneBuilder::new();
+        let bsdf = scene.add_bsdf(bsdf.clone());
+        let ball = Sphere::new(Vec3::ZERO, 1.0, Mat4::IDENTITY).unwrap();
+        scene.add_shape(ball, bsdf, None).unwrap();
+        scene.build().unwrap()
+    }
+
+    fn smooth() -> Vec<Bsdf> {
+        let mut all = Bsdf::examples();
+        all.retain(Bsdf::is_smooth);
+        all.push(
+            TwoSided::new(Conductor::new(None, 0.7), None)
+                .unwrap()
+                .into(),
+        );
+        all
+    }
+
+    const EVENTS: [Event; 5] = [
+        Event::Specular(Component(0)),
+        Event::Specular(Component(1)),
+        Event::Specular(Component(2)),
+        Event::Null(Component(0)),
+        Event::Finite,
+    ];
+
+    /// A point of the ball whose true normal is not the shaded one, and a direction away from it.
+    fn corner(space: &PathSpace<'_>, number: u16) -> (PathVertex, Vec3) {
+        let u = Vec2::new(f32::from(number) + 0.5, f32::from(number * 77 % 300)) / 300.0;
+        let away = warp::uniform_sphere(u);
+        let mut vertex = PathVertex::sensor(Vec3::ZERO);
+        let ray = Ray::new(away * 3.0, -away);
+        let met = space.meet_at(ray, false, Event::Finite, &mut vertex);
+        assert!(met.is_some());
+        let tilt = warp::uniform_sphere(Vec2::new(u.y, u.x)) * 0.8;
+        vertex.point.geometric_normal = (vertex.point.shading_normal + tilt).normalize();
+        (vertex, warp::uniform_sphere(Vec2::new(u.y, 1.0 - u.x)))
+    }
+
+    #[test]
+    fn without_a_frame_light_is_sent_as_with_one() {
+        let camera = Orthographic::new(Mat4::IDENTITY, (0.0, 9.0), (8, 8)).unwrap();
+        let sensor = Sensor::from(camera);
+        let [mut sent, mut forbidden, mut foreign] = [0; 3];
+        for bsdf in smooth() {
+            let scene = ball(&bsdf);
+            let spaces = [false, true].map(|strict_normals| {
+                let rules = PathRules {
+                    strict_normals,
+                    ..PathRules::default()
+                };
+                PathSpace::new(&scene, &sensor, rules)
+            });
+            for (number, event) in (0..300).flat_map(|n| EVENTS.map(|event| (n, event))) {
+                let found = spaces.each_ref().map(|space| {
+                    let (vertex, from) = corner(space, number);
+                    let way = |transport| {
+                        let sent = space.send(&vertex, event, from, transport);
+                        let expected = space.send_by_frame(&vertex, event, from, transport);
+                        assert_eq!(sent.is_some(), expected.is_some(), "{bsdf:?}, {event:?}");
+                        if let (Some(sent), Some(expected)) = (&sent, expected) {
+                            assert!((sent.direction - expected.direction).length() < 1e-6);
+                            assert_eq!(sent.coefficient, expected.coefficient);
+                            assert_eq!(sent.inverse_stretch, expected.inverse_stretch);
+                        }
+                        sent.is_some()
+                    };
+                    let both = [Transport::Radiance, Transport::Importance].map(way);
+                    assert_eq!(both[0], both[1]);
+                    both[0]
+                });
+                sent += i32::from(found[1]);
+                forbidden += i32::from(found[0] && !found[1]);
+                foreign += i32::from(!found[0]);
+            }
+        }
+        assert!(sent > 1000 && forbidden > 300 && foreign > 1000);
+    }
+}
