@@ -17,6 +17,8 @@ pub struct Interaction<'s> {
     pub bsdf: &'s Bsdf,
     /// Its lobes.
     pub lobes: LobeSet,
+    /// The triangle or segment of the shape.
+    pub primitive: u32,
     /// Index of the object among [`Scene::objects`](super::Scene::objects).
     pub object: u32,
     /// The light there.
@@ -50,6 +52,7 @@ impl<'s> Interaction<'s> {
             frame,
             bsdf,
             lobes: object.lobes,
+            primitive: hit.primitive,
             object: index,
             emitter: object.emitter,
             back,

@@ -227,7 +227,7 @@ impl Scene {
     /// Surface coordinates where a ray has met a surface, also where that leaves them out of its points.
     pub fn coordinates(&self, met: &Interaction<'_>) -> Vec2 {
         let shape = &self.objects[met.object as usize].shape;
-        shape.coordinates(&met.point)
+        shape.coordinates(&met.point, met.primitive)
     }
 
     /// What it takes in memory.

@@ -97,7 +97,10 @@ pub trait ShapeModel {
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint;
 
     /// Surface coordinates of a point that this shape has made, also where it leaves them out of its points.
-    fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
+    ///
+    /// - `primitive`: the triangle or segment that the point lies on.
+    fn coordinates(&self, point: &SurfacePoint, primitive: u32) -> Vec2 {
+        let _ = primitive;
         point.uv
     }
 
@@ -177,8 +180,8 @@ macro_rules! shape_models {
             fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
                 match self { $(Self::$model(s) => s.surface_at(hit),)* }
             }
-            fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
-                match self { $(Self::$model(s) => s.coordinates(point),)* }
+            fn coordinates(&self, point: &SurfacePoint, primitive: u32) -> Vec2 {
+                match self { $(Self::$model(s) => s.coordinates(point, primitive),)* }
             }
             #[inline]
             fn area(&self) -> f64 {

@@ -205,7 +205,7 @@ impl ShapeModel for Sphere {
         self.point((hit.position - self.centre).normalize_or(Vec3::Z))
     }
 
-    fn coordinates(&self, point: &SurfacePoint) -> Vec2 {
+    fn coordinates(&self, point: &SurfacePoint, _primitive: u32) -> Vec2 {
         if self.coordinates {
             return point.uv;
         }
@@ -291,8 +291,8 @@ mod tests {
                 assert_eq!(left_out.uv, Vec2::ZERO);
                 assert_eq!(left_out.derivatives, Derivatives::NONE);
                 assert_eq!(left_out.position, known.position);
-                assert_eq!(bare.coordinates(&left_out), known.uv);
-                assert_eq!(full.coordinates(&known), known.uv);
+                assert_eq!(bare.coordinates(&left_out, 0), known.uv);
+                assert_eq!(full.coordinates(&known, 0), known.uv);
             }
             full.flip_normals();
             bare.flip_normals();

@@ -321,3 +321,51 @@ fn spheres_know_their_coordinates_where_somebody_asks() {
         assert!(found.distance(expected) < 1e-5, "{found}: {shapes}");
     }
 }
+
+/// As spheres do; those of groups, too.
+#[test]
+fn meshes_know_their_coordinates_where_somebody_asks() {
+    let textured = format!("<bsdf type='diffuse'>{}</bsdf>", board("reflectance"));
+    let glowing = format!(
+        "{DIFFUSE}<emitter type='area'>{}</emitter>",
+        board("radiance")
+    );
+    let bumps = format!("<bsdf type='bumpmap'>{BOARD}{DIFFUSE}</bsdf>");
+    let alone = |of: &str| format!("<shape type='rectangle'>{of}</shape>");
+    let placed = |of: &str| {
+        format!(
+            "<shape type='shapegroup' id='group'>{}</shape>
+            <shape type='instance'><ref id='group'/><transform name='to_world'>
+            <scale x='2' y='1' z='1'/></transform></shape>",
+            alone(of)
+        )
+    };
+    for (shapes, asks) in [
+        (alone(&textured), true),
+        (alone(&glowing), true),
+        (alone(&bumps), true),
+        (alone(DIFFUSE), false),
+        (placed(&textured), true),
+        (placed(DIFFUSE), false),
+    ] {
+        let scene = file_of(&shapes);
+        let imported = import_files(&[("a.xml", scene.as_bytes())], Strictness::Strict);
+        let imported = imported.expect("a sound scene");
+        for (x, y) in [(0.3, 0.2), (-0.7, 0.1), (0.4, -0.9)] {
+            let ray = Ray::new(Vec3::new(x, y, 4.0), Vec3::NEG_Z);
+            let hit = imported
+                .scene
+                .intersect(&ray)
+                .expect("the rectangle is there");
+            let width = if shapes.contains("instance") {
+                2.0
+            } else {
+                1.0
+            };
+            let expected = Vec2::new(x / width, y) * 0.5 + 0.5;
+            assert_eq!(hit.point.uv.distance(expected) < 1e-6, asks, "{shapes}");
+            let found = imported.scene.coordinates(&hit);
+            assert!(found.distance(expected) < 1e-6, "{found}: {shapes}");
+        }
+    }
+}

@@ -56,7 +56,7 @@ impl Loader<'_> {
                 let Some(mut built) = self.single_shape(id) else {
                     return;
                 };
-                self.omit_coordinates(&mut built);
+                self.omit_coordinates(&mut built, false);
                 let radiance = built.emission.map(|(radiance, _)| radiance);
                 match self.builder.add_shape(built.shape, built.bsdf, radiance) {
                     Ok(()) => self.shapes.push(id),
@@ -66,15 +66,18 @@ impl Loader<'_> {
         }
     }
 
-    /// Lets a sphere leave out the coordinates for which neither its material nor its light asks. Not those
-    /// of groups: their points are placed, and are no longer in the sphere's own space.
-    fn omit_coordinates(&self, built: &mut Built) {
+    /// Lets a shape leave out the coordinates for which neither its material nor its light asks.
+    ///
+    /// - `in_group`: whether instances place its points; those of spheres are then no longer in the sphere's own
+    ///   space, which knows them by nothing else.
+    fn omit_coordinates(&self, built: &mut Built, in_group: bool) {
         let light = built.emission.as_ref();
         let asks = light.is_some_and(|(radiance, _)| !radiance.is_constant())
             || self.textured.contains(&built.bsdf)
             || self.needs_derivatives.contains(&built.bsdf);
         match &mut built.shape {
-            Shape::Sphere(sphere) if !asks => sphere.omit_coordinates(),
+            Shape::TriangleMesh(mesh) if !asks => mesh.omit_coordinates(),
+            Shape::Sphere(sphere) if !asks && !in_group => sphere.omit_coordinates(),
             _ => {}
         }
     }

@@ -31,6 +31,8 @@ pub struct TriangleMesh {
     facets: Vec<Facet>,
     normals: Option<Vec<Vec3>>,
     uvs: Option<Vec<Vec2>>,
+    /// Whether points know their coordinates, and not their barycentrics in their place.
+    coordinates: bool,
     /// Chooses a triangle by area; only meshes that emit have one.
     by_area: Option<Discrete>,
     area: f64,
@@ -61,6 +63,7 @@ impl TriangleMesh {
             facets: Vec::new(),
             normals: None,
             uvs,
+            coordinates: true,
             by_area: None,
             area: 0.0,
             density: AreaDensity::default(),
@@ -115,6 +118,12 @@ impl TriangleMesh {
     /// bumps need; shading frames then follow the coordinates.
     pub fn follow_coordinates(&mut self) {
         self.derivatives = true;
+    }
+
+    /// Leaves the coordinates out of points, for speed: where neither the material nor the light there asks for
+    /// them. [`ShapeModel::coordinates`] still knows them.
+    pub fn omit_coordinates(&mut self) {
+        self.coordinates = false;
     }
 
     /// Gives points the places of a [`TriangleChart`] as their coordinates, for textures that ask
@@ -203,7 +212,11 @@ impl TriangleMesh {
             geometric_normal,
             shading_normal,
             derivatives,
-            uv: self.uv_at(primitive, barycentrics),
+            uv: if self.coordinates {
+                self.uv_at(primitive, barycentrics)
+            } else {
+                barycentrics
+            },
             error: facet.error(),
         }
     }
@@ -300,6 +313,14 @@ impl ShapeModel for TriangleMesh {
     }
 
     #[inline(always)]
+    fn coordinates(&self, point: &SurfacePoint, primitive: u32) -> Vec2 {
+        if self.coordinates {
+            point.uv
+        } else {
+            self.uv_at(primitive, point.uv)
+        }
+    }
+
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point(hit.primitive, hit.barycentrics)
     }

@@ -34,13 +34,14 @@ impl Loader<'_> {
         if !self.is_single(id, "shapegroup") {
             return None;
         }
-        let built = self.single_shape(id)?;
+        let mut built = self.single_shape(id)?;
         if let Some((_, emitter)) = built.emission {
             let message = "an emitter in a shapegroup: shapes that are placed by instances \
                            cannot emit light";
             self.problems.error(self.location(emitter), message);
             return None;
         }
+        self.omit_coordinates(&mut built, true);
         self.members.push(id);
         Some((built.shape, built.bsdf))
     }
