@@ -44,7 +44,7 @@ impl PathSpace<'_> {
     pub fn follow(&self, vertex: &PathVertex, event: Event, to_eye: Vec3) -> Option<Followed> {
         let sent = self.send(vertex, event, to_eye, Transport::Radiance)?;
         let cosines = vertex.geometric_cos(to_eye) / vertex.geometric_cos(sent.direction);
-        (!sent.coefficient.is_black()).then(|| Followed {
+        (!sent.coefficient.is_black()).then_some(Followed {
             direction: sent.direction,
             value: sent.coefficient,
             adjoint: cosines * sent.inverse_stretch,
