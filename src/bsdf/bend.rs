@@ -1,6 +1,6 @@
 //! Events of smooth surfaces, which stay in the plane of incidence: a cosine is all that they depend on.
 
-use super::{Bsdf, Component, DiracEvent, Transport};
+use super::{Bsdf, Component, Conductor, Dielectric, DiracEvent, Null, ThinDielectric, Transport};
 use crate::math::{Local, Vec3};
 use crate::shape::SurfacePoint;
 
@@ -85,28 +85,36 @@ impl DiracEvent<Bend> {
     }
 }
 
+/// A smooth material.
+enum Smooth<'b> {
+    Glass(&'b Dielectric),
+    Pane(&'b ThinDielectric),
+    Metal(&'b Conductor),
+    Nothing(Null),
+}
+
 impl Bsdf {
     /// Whether the material is smooth: [`Bsdf::follow_by_cosine`] and [`Bsdf::sample_by_cosine`] know it.
     pub fn is_smooth(&self) -> bool {
-        let seen = match self {
-            Self::TwoSided(sides) => sides.sole(),
-            other => Some(other),
-        };
-        seen.is_some_and(|bsdf| {
-            matches!(
-                bsdf,
-                Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Conductor(_) | Self::Null(_)
-            )
-        })
+        self.smooth(1.0).is_some()
     }
 
-    /// The one material of both sides of this one, and the factor on cosines as it sees them: -1 from behind.
+    /// The smooth material that this is, on one side or alike on both, and the factor on cosines as it sees
+    /// them: -1 from behind. `None` for others.
     #[inline(always)]
-    fn seen_by_cosine(&self, cos: f32) -> Option<(&Self, f32)> {
-        match self {
-            Self::TwoSided(sides) => Some((sides.sole()?, if cos > 0.0 { 1.0 } else { -1.0 })),
-            other => Some((other, 1.0)),
-        }
+    fn smooth(&self, cos: f32) -> Option<(Smooth<'_>, f32)> {
+        let (bsdf, turn) = match self {
+            Self::TwoSided(sides) => (sides.sole()?, if cos > 0.0 { 1.0 } else { -1.0 }),
+            other => (other, 1.0),
+        };
+        let smooth = match bsdf {
+            Self::Dielectric(glass) => Smooth::Glass(glass),
+            Self::ThinDielectric(pane) => Smooth::Pane(pane),
+            Self::Conductor(metal) => Smooth::Metal(metal),
+            Self::Null(null) => Smooth::Nothing(*null),
+            _ => return None,
+        };
+        Some((smooth, turn))
     }
 
     /// [`BsdfModel::follow`](super::BsdfModel::follow) by the signed cosine of `wi` alone, for smooth
@@ -119,13 +127,12 @@ impl Bsdf {
         transport: Transport,
         component: Component,
     ) -> Option<Option<DiracEvent<Bend>>> {
-        let (bsdf, turn) = self.seen_by_cosine(cos)?;
-        let event = match bsdf {
-            Self::Dielectric(glass) => glass.bend(cos * turn, at, transport, component),
-            Self::ThinDielectric(pane) => pane.bend(cos * turn, at, component),
-            Self::Conductor(metal) => metal.bend(cos * turn, at, component),
-            Self::Null(null) => null.bend(cos * turn, component),
-            _ => return None,
+        let (smooth, turn) = self.smooth(cos)?;
+        let event = match smooth {
+            Smooth::Glass(glass) => glass.bend(cos * turn, at, transport, component),
+            Smooth::Pane(pane) => pane.bend(cos * turn, at, component),
+            Smooth::Metal(metal) => metal.bend(cos * turn, at, component),
+            Smooth::Nothing(null) => null.bend(cos * turn, component),
         };
         Some(event.map(|event| event.turned(turn)))
     }
@@ -142,18 +149,16 @@ impl Bsdf {
         transport: Transport,
         u_lobe: f32,
     ) -> Option<Option<DiracEvent<Bend>>> {
-        let (bsdf, turn) = self.seen_by_cosine(cos)?;
+        let (smooth, turn) = self.smooth(cos)?;
         let only = Component(0);
-        let event = match bsdf {
-            Self::Dielectric(glass) => glass
-                .choose(cos * turn, at, transport, u_lobe)
-                .map(|(event, _)| event),
-            Self::ThinDielectric(pane) => {
-                pane.choose(cos * turn, at, u_lobe).map(|(event, _)| event)
+        let event = match smooth {
+            Smooth::Glass(glass) => {
+                let chosen = glass.choose(cos * turn, at, transport, u_lobe);
+                chosen.map(|(event, _)| event)
             }
-            Self::Conductor(metal) => metal.bend(cos * turn, at, only),
-            Self::Null(null) => null.bend(cos * turn, only),
-            _ => return None,
+            Smooth::Pane(pane) => pane.choose(cos * turn, at, u_lobe).map(|(event, _)| event),
+            Smooth::Metal(metal) => metal.bend(cos * turn, at, only),
+            Smooth::Nothing(null) => null.bend(cos * turn, only),
         };
         Some(event.map(|event| event.turned(turn)))
     }
@@ -162,7 +167,7 @@ impl Bsdf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::{BsdfModel, Conductor, Diffuse, TwoSided};
+    use crate::bsdf::{BsdfModel, Diffuse, TwoSided};
     use crate::math::{Frame, Rgb, Vec2, warp};
     use crate::shape::{ShapeModel, TriangleMesh, primitives};
 
@@ -195,11 +200,14 @@ mod tests {
         all.map(|wi| (wi, frame.to_local(wi))).collect()
     }
 
-    fn assert_is_sent_to(bend: Bend, (wi, seen): (Vec3, Local), wo: Local) {
+    fn assert_is_sent_to((bend, eta): (Bend, f32), (wi, seen): (Vec3, Local), wo: Local) {
         let sent = bend.of_world(wi, seen.cos(), slanted());
         assert!((sent - Frame::around(slanted()).to_world(wo)).length() < 1e-6);
         assert!((sent.length() - 1.0).abs() < 1e-6);
         assert_eq!(bend.cos(), wo.cos());
+        // Snell's law, and that of the mirror: the parts in the surface are opposite.
+        let across = |direction: Vec3| slanted().cross(direction);
+        assert!((across(sent) + across(wi) * eta).length() < 1e-6);
     }
 
     #[test]
@@ -219,7 +227,8 @@ mod tests {
                             continue;
                         };
                         found += 1;
-                        assert_is_sent_to(bend.direction, (wi, seen), event.direction);
+                        let sent = (bend.direction, bend.eta);
+                        assert_is_sent_to(sent, (wi, seen), event.direction);
                         assert_eq!(bend.coefficient, event.coefficient);
                         assert_eq!(bend.probability, event.probability);
                         assert_eq!((bend.lobe, bend.eta), (event.lobe, event.eta));
@@ -246,7 +255,8 @@ mod tests {
                         continue;
                     };
                     found += 1;
-                    assert_is_sent_to(bend.direction, (wi, seen), sample.direction);
+                    let sent = (bend.direction, bend.eta);
+                    assert_is_sent_to(sent, (wi, seen), sample.direction);
                     assert_eq!(bend.coefficient, sample.value);
                     assert_eq!(bend.probability, sample.density);
                     assert_eq!(bend.coefficient / bend.probability, sample.weight);
@@ -269,17 +279,22 @@ mod tests {
 
     #[test]
     fn other_materials_need_the_direction() {
-        let smooth: Vec<&str> = smooth().iter().map(Bsdf::name).collect();
         let at = point();
         let metal = || Bsdf::from(Conductor::new(None, 0.9));
+        let grey = || Bsdf::from(Diffuse::new(0.5));
+        let both = |front, back| Bsdf::from(TwoSided::new(front, back).unwrap());
         let mut others = Bsdf::examples();
+        let smooth = [
+            "Dielectric",
+            "ThinDielectric",
+            "Conductor",
+            "Null",
+            "TwoSided",
+        ];
         others.retain(|bsdf| !smooth.contains(&bsdf.name()));
-        others.push(TwoSided::new(metal(), Some(metal())).unwrap().into());
-        others.push(
-            TwoSided::new(metal(), Some(Diffuse::new(0.5).into()))
-                .unwrap()
-                .into(),
-        );
+        others.push(both(grey(), None));
+        others.push(both(metal(), Some(metal())));
+        others.push(both(metal(), Some(grey())));
         for bsdf in &others {
             assert!(!bsdf.is_smooth());
             for cos in [-0.5, 0.5] {

@@ -51,6 +51,7 @@ impl PathTracer {
             scene
                 .bsdf(object.bsdf)
                 .sample_by_cosine(cos, &point, Transport::Radiance, u_lobe);
+        debug_assert!(sampled.is_some(), "the object says that it is smooth");
         let sampled = sampled.flatten();
         if !sampled
             .as_ref()
@@ -94,18 +95,31 @@ mod tests {
         tracer(depths.map(|(name, depth)| (name, OptionValue::Integer(depth))))
     }
 
-    /// A ball with a wall behind it, and another ball, of an instance and of another material, beside it.
+    /// A ball, a wall behind it with normals of its own, and another ball, of an instance that mirrors it and of
+    /// another material, beside it.
     fn scene([bsdf, instanced]: [Bsdf; 2], radiance: Option<f32>) -> Scene {
         let mut scene = SceneBuilder::new();
         let [bsdf, instanced] = [bsdf, instanced].map(|bsdf| scene.add_bsdf(bsdf));
         let ball = || Shape::from(Sphere::new(Vec3::ZERO, 1.0, Mat4::IDENTITY).unwrap());
         let glow = || radiance.map(|radiance| Rgb::grey(radiance).into());
         scene.add_shape(ball(), bsdf, glow()).unwrap();
-        let wall = TriangleMesh::from(primitives::rectangle());
-        scene.add_shape(wall, bsdf, glow()).unwrap();
+        let mut wall = primitives::rectangle();
+        for [x, y, z] in &mut wall.positions {
+            (*x, *y, *z) = (8.0 * *x, 8.0 * *y, -2.0);
+        }
+        wall.normals = Some(vec![
+            [0.3, 0.0, 1.0],
+            [-0.3, 0.1, 1.0],
+            [0.0, 0.3, 1.0],
+            [0.0, 0.0, 1.0],
+        ]);
+        scene
+            .add_shape(TriangleMesh::from(wall), bsdf, glow())
+            .unwrap();
         let group = scene.add_group([(ball(), instanced)]);
-        let aside = Mat4::from_translation(Vec3::new(3.0, 0.0, 0.0));
-        scene.add_instance(group, aside).unwrap();
+        let aside = Mat4::from_translation(Vec3::new(4.0, 0.0, 0.0));
+        let mirrored = Mat4::from_scale(Vec3::new(-1.5, 1.0, 1.0));
+        scene.add_instance(group, aside * mirrored).unwrap();
         scene.build().unwrap()
     }
 
@@ -117,7 +131,7 @@ mod tests {
         all
     }
 
-    /// Rays from all around to what stands there, and walks that go along them.
+    /// Rays from all around, and from inside of what stands there, with numbers for the walks along them.
     fn walks(scene: &Scene) -> Vec<(Ray, Hit, Sampler)> {
         let ray = |pixel: u32| {
             let address = PixelAddress {
@@ -127,50 +141,66 @@ mod tests {
                 sample: 0,
             };
             let mut sampler = Sampler::new(SamplerKind::Independent, address);
-            let target = Vec3::new(3.0 * (pixel % 2) as f32, 0.0, 0.0);
-            let from = warp::uniform_sphere(sampler.next_2d()) * 5.0;
-            let to = target + warp::uniform_sphere(sampler.next_2d()) * 0.9;
+            let target = Vec3::new(4.0 * (pixel % 2) as f32, 0.0, 0.0);
+            let reach = if pixel % 3 == 0 { 0.5 } else { 6.0 };
+            let from = target + warp::uniform_sphere(sampler.next_2d()) * reach;
+            let to = target + warp::uniform_sphere(sampler.next_2d()) * 1.2;
             let ray = Ray::new(from, (to - from).normalize());
             Some((ray, scene.hit(&ray)?, sampler))
         };
-        (0..400).filter_map(ray).collect()
+        (0..600).filter_map(ray).collect()
+    }
+
+    /// Passes a hit in both ways; true where the path goes on.
+    fn passes_as_any(scene: &Scene, depth: u32, (ray, hit, sampler): &(Ray, Hit, Sampler)) -> bool {
+        let tracer = unlimited();
+        let start = || {
+            let mut walk = tracer.start(ray, sampler.clone());
+            walk.throughput = Rgb::new(0.8, 0.3, 0.5);
+            walk.eta = 1.25;
+            walk
+        };
+        let (mut walk, mut expected) = (start(), start());
+        let next = tracer.pass(scene, depth, (&mut walk, ray, hit)).unwrap();
+        let surface = scene.interaction(ray, hit);
+        assert!(tracer.arrive(scene, depth, &mut expected, &surface));
+        assert!(tracer.connect(scene, &mut expected, &surface).is_none());
+        let departed = tracer.depart(depth, &mut expected, &surface);
+        assert_eq!(next.is_some(), departed.is_some());
+        if let (Some(next), Some(departed)) = (next, departed) {
+            assert!((next.direction() - departed.direction()).length() < 2e-6);
+            assert!((next.origin() - departed.origin()).length() < 1e-6);
+        }
+        assert_eq!(walk.state(), expected.state());
+        assert_eq!(walk.estimate.alpha, expected.estimate.alpha);
+        assert_eq!(walk.departure.position, expected.departure.position);
+        assert_eq!(walk.departure.density, expected.departure.density);
+        assert_eq!(walk.sampler.next_1d(), expected.sampler.next_1d());
+        next.is_some()
     }
 
     #[test]
     fn smooth_surfaces_are_passed_as_any_material_is() {
-        let (tracer, mut passed) = (unlimited(), 0);
+        // Of each object, hits from its front and from behind.
+        let mut hits = [[0; 2]; 3];
+        let mut passed = 0;
         for bsdf in smooth() {
-            let scene = scene([bsdf.clone(), bsdf.clone()], None);
-            for ((ray, hit, sampler), depth) in
-                walks(&scene).into_iter().zip([1, 7].into_iter().cycle())
-            {
-                let start = || {
-                    let mut walk = tracer.start(&ray, sampler.clone());
-                    walk.throughput = Rgb::new(0.8, 0.3, 0.5);
-                    walk.eta = 1.25;
-                    walk
-                };
-                let (mut walk, mut expected) = (start(), start());
-                let next = tracer.pass(&scene, depth, (&mut walk, &ray, &hit)).unwrap();
-                let surface = scene.interaction(&ray, &hit);
-                assert!(tracer.arrive(&scene, depth, &mut expected, &surface));
-                assert!(tracer.connect(&scene, &mut expected, &surface).is_none());
-                let departed = tracer.depart(depth, &mut expected, &surface);
-                assert_eq!(next.is_some(), departed.is_some(), "{bsdf:?}");
-                if let (Some(next), Some(departed)) = (next, departed) {
-                    let turned = (next.direction() - departed.direction()).length();
-                    assert!(turned < 1e-6, "{bsdf:?}");
-                    assert!((next.origin() - departed.origin()).length() < 1e-6);
-                    passed += 1;
+            let scene = scene([bsdf.clone(), bsdf], None);
+            for walk in walks(&scene) {
+                let (ray, hit, _) = &walk;
+                let object = hit.instance.map_or(hit.geometry as usize, |_| 2);
+                let surface = scene.interaction(ray, hit);
+                hits[object][usize::from(surface.wi.cos() < 0.0)] += 1;
+                for depth in [1, 7] {
+                    passed += i32::from(passes_as_any(&scene, depth, &walk));
                 }
-                assert_eq!(walk.state(), expected.state(), "{bsdf:?}");
-                assert_eq!(walk.estimate.alpha, expected.estimate.alpha);
-                assert_eq!(walk.departure.position, expected.departure.position);
-                assert_eq!(walk.departure.density, expected.departure.density);
-                assert_eq!(walk.sampler.next_1d(), expected.sampler.next_1d());
             }
         }
-        assert!(passed > 1000, "{passed}");
+        assert!(
+            hits.as_flattened().iter().all(|hits| *hits > 100),
+            "{hits:?}"
+        );
+        assert!(passed > 3000, "{passed}");
     }
 
     #[test]

@@ -207,8 +207,8 @@ impl Scene {
     /// instances after what stands in the world.
     #[inline(never)]
     fn put_point_on(&self, instance: u32, ray: &Ray, hit: &Hit, point: &mut SurfacePoint) -> u32 {
-        let Instance { group, placement } = &self.instances[(instance - self.in_world) as usize];
-        let index = self.groups[group.0 as usize].first + hit.geometry;
+        let placement = &self.instances[(instance - self.in_world) as usize].placement;
+        let index = self.index_on(instance, hit);
         let shape = &self.objects[index as usize].shape;
         *point = point_on_instance(placement, shape, ray, hit);
         index
@@ -217,11 +217,15 @@ impl Scene {
     /// The object that a hit lies on.
     #[inline(always)]
     pub fn object_at(&self, hit: &Hit) -> &Object {
-        let first = hit.instance.map_or(0, |instance| {
-            let group = self.instances[(instance - self.in_world) as usize].group;
-            self.groups[group.0 as usize].first
-        });
-        &self.objects[(first + hit.geometry) as usize]
+        let on = |instance| self.index_on(instance, hit);
+        &self.objects[hit.instance.map_or(hit.geometry, on) as usize]
+    }
+
+    /// Index of the object that a hit on an instance lies on.
+    #[inline]
+    fn index_on(&self, instance: u32, hit: &Hit) -> u32 {
+        let group = self.instances[(instance - self.in_world) as usize].group;
+        self.groups[group.0 as usize].first + hit.geometry
     }
 
     /// Surface coordinates where a ray has met a surface, also where that leaves them out of its points.

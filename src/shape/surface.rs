@@ -14,7 +14,8 @@ pub struct SurfacePoint {
     pub shading_normal: Vec3,
     /// How the position changes with `uv`.
     pub derivatives: Derivatives,
-    /// Surface coordinates of textures.
+    /// Surface coordinates of textures; where nobody asks for them and the shape leaves them out, what helps it
+    /// to find them again, see [`ShapeModel::coordinates`](super::ShapeModel::coordinates).
     pub uv: Vec2,
     /// Bound on the error of `position`, in metres: how far a ray's origin must leave the surface.
     pub error: f32,

@@ -330,7 +330,15 @@ fn meshes_know_their_coordinates_where_somebody_asks() {
         "{DIFFUSE}<emitter type='area'>{}</emitter>",
         board("radiance")
     );
+    let white = format!("{DIFFUSE}<emitter type='area'><rgb name='radiance' value='1'/></emitter>");
     let bumps = format!("<bsdf type='bumpmap'>{BOARD}{DIFFUSE}</bsdf>");
+    let mirror = format!(
+        "<bsdf type='conductor'>{}</bsdf>",
+        board("specular_reflectance")
+    );
+    let holes = format!("<bsdf type='mask'>{}{DIFFUSE}</bsdf>", board("opacity"));
+    let brushed = "<bsdf type='roughconductor'><float name='alpha_u' value='0.1'/>
+        <float name='alpha_v' value='0.3'/></bsdf>";
     let alone = |of: &str| format!("<shape type='rectangle'>{of}</shape>");
     let placed = |of: &str| {
         format!(
@@ -344,6 +352,10 @@ fn meshes_know_their_coordinates_where_somebody_asks() {
         (alone(&textured), true),
         (alone(&glowing), true),
         (alone(&bumps), true),
+        (alone(&mirror), true),
+        (alone(&holes), true),
+        (alone(brushed), true),
+        (alone(&white), false),
         (alone(DIFFUSE), false),
         (placed(&textured), true),
         (placed(DIFFUSE), false),

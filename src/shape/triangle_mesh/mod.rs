@@ -312,7 +312,6 @@ impl ShapeModel for TriangleMesh {
         self.by_area.is_some()
     }
 
-    #[inline(always)]
     fn coordinates(&self, point: &SurfacePoint, primitive: u32) -> Vec2 {
         if self.coordinates {
             point.uv
@@ -321,6 +320,7 @@ impl ShapeModel for TriangleMesh {
         }
     }
 
+    #[inline(always)]
     fn surface_at(&self, hit: &ShapeHit) -> SurfacePoint {
         self.point(hit.primitive, hit.barycentrics)
     }
