@@ -181,15 +181,18 @@ mod tests {
         mesh.sample_area(Vec2::new(0.3, 0.9)).0
     }
 
-    fn smooth() -> Vec<Bsdf> {
-        let mut all = Bsdf::examples();
-        all.retain(|bsdf| {
-            ["Dielectric", "ThinDielectric", "Conductor", "Null"].contains(&bsdf.name())
-        });
-        let metal = Conductor::new(None, Rgb::new(0.9, 0.5, 0.1));
-        all.push(TwoSided::new(metal, None).unwrap().into());
-        assert!(all.len() > 7);
-        all
+    impl Bsdf {
+        /// Smooth materials, by their names.
+        pub(crate) fn smooth_examples() -> Vec<Self> {
+            let mut all = Self::examples();
+            all.retain(|bsdf| {
+                ["Dielectric", "ThinDielectric", "Conductor", "Null"].contains(&bsdf.name())
+            });
+            let metal = Conductor::new(None, Rgb::new(0.9, 0.5, 0.1));
+            all.push(TwoSided::new(metal, None).unwrap().into());
+            assert!(all.len() > 7);
+            all
+        }
     }
 
     /// Directions all around, each with what it is in the frame of [`slanted`].
@@ -214,7 +217,7 @@ mod tests {
     fn events_by_cosine_are_those_of_the_direction() {
         let (at, mut found) = (point(), 0);
         let components = || (0..3).map(Component);
-        for bsdf in &smooth() {
+        for bsdf in &Bsdf::smooth_examples() {
             assert!(bsdf.is_smooth());
             for (wi, seen) in seen() {
                 for transport in [Transport::Radiance, Transport::Importance] {
@@ -243,7 +246,7 @@ mod tests {
     #[test]
     fn samples_by_cosine_are_those_of_the_direction() {
         let (at, mut found) = (point(), 0);
-        for bsdf in &smooth() {
+        for bsdf in &Bsdf::smooth_examples() {
             for (number, (wi, seen)) in seen().into_iter().enumerate() {
                 let u_lobe = (number * 13 % 200) as f32 / 200.0;
                 for transport in [Transport::Radiance, Transport::Importance] {

@@ -19,6 +19,7 @@ mod pmc_er;
 mod pssmlt;
 mod render;
 mod smooth;
+mod walk;
 mod wave;
 
 pub use aov::Aov;

@@ -2,11 +2,11 @@
 
 use super::pixel::{Estimate, PixelIntegrator, first_hit};
 use super::render::Counters;
+use super::walk::{Departure, Walk};
 use super::wave::Wave;
 use crate::accel::Ray;
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, Transport};
 use crate::emitter::EmitterModel;
-use crate::math::lanes::Vec4;
 use crate::math::{Local, Rgb, Vec2, Vec3};
 use crate::path::Heuristic;
 use crate::random::Sampler;
@@ -29,43 +29,6 @@ pub struct PathTracer {
     /// Whether directions that lie on different sides of the true and the shaded surface are black.
     strict_normals: bool,
     heuristic: Heuristic,
-}
-
-/// How the last direction was made, for weighing the emitter that it meets.
-#[derive(Clone, Copy)]
-pub(super) struct Departure {
-    /// Where the ray left from.
-    pub(super) position: Vec3,
-    /// Density of its direction in 1/sr; `None` for the camera and Dirac lobes, whose directions no
-    /// other technique makes.
-    pub(super) density: Option<f32>,
-}
-
-/// A path under way: what it has collected, and what it carries along.
-pub(super) struct Walk {
-    /// What it has collected.
-    pub(super) estimate: Estimate,
-    pub(super) throughput: Rgb,
-    /// Product of [`BsdfSample::eta`] over the events so far: refraction has made radiance grow by
-    /// its square.
-    pub(super) eta: f32,
-    pub(super) departure: Departure,
-    pub(super) sampler: Sampler,
-}
-
-impl Walk {
-    /// The throughput, and [`Walk::eta`] last.
-    #[inline(always)]
-    pub(super) fn state(&self) -> Vec4 {
-        self.throughput.0.extend(self.eta)
-    }
-
-    /// Undoes [`Walk::state`].
-    #[inline(always)]
-    pub(super) fn set_state(&mut self, state: Vec4) {
-        self.throughput = Rgb(state.truncate());
-        self.eta = state.w;
-    }
 }
 
 /// Light that arrives if a ray is free.
@@ -276,13 +239,11 @@ impl PathTracer {
             walk.estimate.alpha = 1.0;
         }
         let (sample, ray) = scattered?;
-        walk.throughput *= sample.weight;
-        walk.eta *= sample.eta;
-        let density = (!sample.lobe.is_dirac()).then_some(sample.density);
-        walk.departure = Departure {
+        let departure = Departure {
             position: hit.point.position,
-            density,
+            density: (!sample.lobe.is_dirac()).then_some(sample.density),
         };
+        walk.scatter(departure, sample.weight, sample.eta);
         self.survives(depth, walk).then_some(ray)
     }
 }

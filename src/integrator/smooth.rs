@@ -1,6 +1,7 @@
 //! Vertices on smooth surfaces: mirrors and glass.
 
-use super::path::{Departure, PathTracer, Walk};
+use super::path::PathTracer;
+use super::walk::{Departure, Walk};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Lobe, Transport};
 use crate::math::Vec3;
@@ -64,13 +65,12 @@ impl PathTracer {
         if weight.is_black() {
             return None;
         }
-        walk.throughput *= weight;
-        walk.eta *= event.eta;
-        walk.departure = Departure {
+        let departure = Departure {
             position: point.position,
             density: None,
         };
         let next = point.ray_toward(event.direction.of_world(back, cos, normal));
+        walk.scatter(departure, weight, event.eta);
         self.survives(depth, walk).then_some(next)
     }
 }
@@ -78,7 +78,8 @@ impl PathTracer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::{Bsdf, BsdfModel, Conductor, Diffuse, TwoSided};
+    use crate::bsdf::{Bsdf, Diffuse};
+    use crate::math::lanes::Vec4;
     use crate::math::{Mat4, Rgb, warp};
     use crate::random::{PixelAddress, Purpose, Sampler, SamplerKind};
     use crate::scene::SceneBuilder;
@@ -123,14 +124,6 @@ mod tests {
         scene.build().unwrap()
     }
 
-    fn smooth() -> Vec<Bsdf> {
-        let mut all = Bsdf::examples();
-        all.retain(Bsdf::is_smooth);
-        let metal = Conductor::new(None, Rgb::new(0.7, 0.4, 0.2));
-        all.push(TwoSided::new(metal, None).unwrap().into());
-        all
-    }
-
     /// Rays from all around, and from inside of what stands there, with numbers for the walks along them.
     fn walks(scene: &Scene) -> Vec<(Ray, Hit, Sampler)> {
         let ray = |pixel: u32| {
@@ -156,8 +149,7 @@ mod tests {
         let tracer = unlimited();
         let start = || {
             let mut walk = tracer.start(ray, sampler.clone());
-            walk.throughput = Rgb::new(0.8, 0.3, 0.5);
-            walk.eta = 1.25;
+            walk.set_state(Vec4::new(0.8, 0.3, 0.5, 1.25));
             walk
         };
         let (mut walk, mut expected) = (start(), start());
@@ -184,7 +176,7 @@ mod tests {
         // Of each object, hits from its front and from behind.
         let mut hits = [[0; 2]; 3];
         let mut passed = 0;
-        for bsdf in smooth() {
+        for bsdf in Bsdf::smooth_examples() {
             let scene = scene([bsdf.clone(), bsdf], None);
             for walk in walks(&scene) {
                 let (ray, hit, _) = &walk;
@@ -205,7 +197,7 @@ mod tests {
 
     #[test]
     fn where_more_is_asked_for_nothing_is_passed() {
-        let glass = || smooth().swap_remove(0);
+        let glass = || Bsdf::smooth_examples().swap_remove(0);
         let strict = [
             ("max_depth", OptionValue::Integer(-1)),
             ("strict_normals", OptionValue::Boolean(true)),
@@ -234,7 +226,7 @@ mod tests {
     }
     #[test]
     fn instances_are_passed_by_their_own_material() {
-        let (tracer, glass) = (unlimited(), || smooth().swap_remove(0));
+        let (tracer, glass) = (unlimited(), || Bsdf::smooth_examples().swap_remove(0));
         for glass_in_world in [true, false] {
             let mut bsdfs = [glass(), Diffuse::new(0.5).into()];
             if !glass_in_world {

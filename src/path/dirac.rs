@@ -139,7 +139,7 @@ impl PathSpace<'_> {
 mod tests {
     use super::*;
     use crate::accel::Ray;
-    use crate::bsdf::{Bsdf, Component, Conductor, TwoSided};
+    use crate::bsdf::{Bsdf, Component};
     use crate::math::{Mat4, Vec2, warp};
     use crate::path::PathRules;
     use crate::scene::{Scene, SceneBuilder};
@@ -152,17 +152,6 @@ mod tests {
         let ball = Sphere::new(Vec3::ZERO, 1.0, Mat4::IDENTITY).unwrap();
         scene.add_shape(ball, bsdf, None).unwrap();
         scene.build().unwrap()
-    }
-
-    fn smooth() -> Vec<Bsdf> {
-        let mut all = Bsdf::examples();
-        all.retain(Bsdf::is_smooth);
-        all.push(
-            TwoSided::new(Conductor::new(None, 0.7), None)
-                .unwrap()
-                .into(),
-        );
-        all
     }
 
     const EVENTS: [Event; 5] = [
@@ -191,7 +180,7 @@ mod tests {
         let camera = Orthographic::new(Mat4::IDENTITY, (0.0, 9.0), (8, 8)).unwrap();
         let sensor = Sensor::from(camera);
         let [mut sent, mut forbidden, mut foreign] = [0; 3];
-        for bsdf in smooth() {
+        for bsdf in Bsdf::smooth_examples() {
             let scene = ball(&bsdf);
             let spaces = [false, true].map(|strict_normals| {
                 let rules = PathRules {

@@ -9,7 +9,8 @@ use super::Outcome;
 use super::aim::Aims;
 use crate::accel::{Hit, Ray, RayLanes};
 use crate::bsdf::DiffuseLanes;
-use crate::integrator::path::{Connection, Departure, PathTracer, Walk};
+use crate::integrator::path::{Connection, PathTracer};
+use crate::integrator::walk::{Departure, Walk};
 use crate::math::lanes::{
     LANES, LaneMask, Lanes, Vec3Lanes, Vec4, each, gather, mask, to_world, transpose,
 };

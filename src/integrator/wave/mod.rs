@@ -8,9 +8,10 @@ mod aim;
 mod diffuse;
 
 use self::diffuse::DiffuseVertex;
-use super::path::{Connection, PathTracer, Walk};
+use super::path::{Connection, PathTracer};
 use super::pixel::{Estimate, first_hit};
 use super::render::Counters;
+use super::walk::Walk;
 use crate::accel::{Hit, Ray};
 use crate::math::lanes::LANES;
 use crate::scene::Scene;
