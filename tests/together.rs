@@ -20,8 +20,8 @@ use crate::support::scenes::{
 /// Width and height of the film; its pixels are no multiple of what goes together.
 const SIDE: u32 = 37;
 
-/// Camera rays all over the film, with their numbers.
-fn camera_samples(sensor: &Sensor, kind: SamplerKind) -> Vec<(CameraRay, Sampler)> {
+/// Camera rays all over the film, with the numbers for what follows.
+fn camera_samples(sensor: &Sensor, kind: SamplerKind) -> (Vec<CameraRay>, Vec<Sampler>) {
     let sample = |pixel| {
         let address = PixelAddress {
             seed: 5,
@@ -50,13 +50,12 @@ fn assert_same(views: &[(Scene, Sensor)], options: &[&str], kind: SamplerKind) {
         .flat_map(|o| views.iter().map(move |v| (o, v)))
     {
         let integrator = pixel_integrator(options);
-        let samples = camera_samples(sensor, kind);
+        let (rays, mut samplers) = camera_samples(sensor, kind);
         let (mut of_all, mut of_each) = (Counters::default(), Counters::default());
-        let together =
-            integrator.estimate_all(scene, &mut samples.clone().into_iter(), &mut of_all);
-        assert_eq!(together.len(), samples.len());
-        for (estimate, (ray, mut sampler)) in together.iter().zip(samples) {
-            let alone = integrator.estimate(scene, &ray, &mut sampler, &mut of_each);
+        let together = integrator.estimate_all(scene, (&rays, &mut samplers.clone()), &mut of_all);
+        assert_eq!(together.len(), rays.len());
+        for ((estimate, ray), sampler) in together.iter().zip(&rays).zip(&mut samplers) {
+            let alone = integrator.estimate(scene, ray, sampler, &mut of_each);
             assert_eq!(bits(estimate), bits(&alone), "{options}, {ray:?}");
         }
         assert_eq!(of_all, of_each, "{options}");

@@ -1,7 +1,10 @@
 //! Where camera samples lie, and the random numbers that belong to them.
 
+use glam::Vec4Swizzles;
+
 use super::pixel::PixelSettings;
 use crate::film::{PassBuffer, Tile};
+use crate::math::lanes::Vec4;
 use crate::math::{Vec2, warp};
 use crate::random::{PixelAddress, Purpose, Sampler};
 use crate::sensor::{CameraRay, Sensor, SensorModel};
@@ -128,16 +131,10 @@ impl CameraSample {
         purpose: Purpose,
         sample: u32,
     ) -> Self {
-        let address = PixelAddress {
-            seed: settings.seed,
-            purpose,
-            pixel: pixel_index(settings, x, y),
-            sample,
-        };
-        let mut sampler = Sampler::new(settings.sampler, address);
-        let offset = offset_in_pixel(settings, purpose, sample, &mut sampler);
-        let corner = Vec2::new(x as f32, y as f32);
-        let raster = warp::stretch(offset, corner, corner + 1.0);
+        let mut sampler = sampler_of_pixel(settings, (x, y), purpose, sample);
+        let own = sampler.next_2d();
+        let offset = offset_of_pass(settings, purpose, sample).unwrap_or(own);
+        let raster = raster_in_pixel((x, y), offset);
         let ray = sensor.sample_ray(raster, sampler.next_2d());
         Self {
             raster,
@@ -145,6 +142,61 @@ impl CameraSample {
             sampler,
         }
     }
+}
+
+/// Camera samples of many pixels, one after the other in each part.
+pub(super) struct CameraSamples {
+    /// In pixels of the full film.
+    pub(super) rasters: Vec<Vec2>,
+    /// The rays through them.
+    pub(super) rays: Vec<CameraRay>,
+    /// Numbers not yet used.
+    pub(super) samplers: Vec<Sampler>,
+}
+
+impl CameraSamples {
+    /// What [`CameraSample::of_pixel`] makes of each pixel of a block.
+    ///
+    /// Part by part, so that no ray waits for its own numbers: the processor makes those of several pixels, and then
+    /// several rays, side by side.
+    pub(super) fn of_block(
+        sensor: &Sensor,
+        settings: &PixelSettings,
+        block: Block,
+        purpose: Purpose,
+        sample: u32,
+    ) -> Self {
+        let sampler = |pixel| sampler_of_pixel(settings, pixel, purpose, sample);
+        let mut samplers: Vec<_> = block.pixels().map(sampler).collect();
+        let numbers: Vec<_> = samplers.iter_mut().map(Sampler::next_pairs).collect();
+        let of_pass = offset_of_pass(settings, purpose, sample);
+        let raster =
+            |(pixel, own): ((i32, i32), &Vec4)| raster_in_pixel(pixel, of_pass.unwrap_or(own.xy()));
+        let rasters: Vec<_> = block.pixels().zip(&numbers).map(raster).collect();
+        let ray = |(raster, numbers): (&Vec2, &Vec4)| sensor.sample_ray(*raster, numbers.zw());
+        Self {
+            rays: rasters.iter().zip(&numbers).map(ray).collect(),
+            rasters,
+            samplers,
+        }
+    }
+}
+
+/// The numbers of a camera sample of a pixel.
+#[inline]
+fn sampler_of_pixel(
+    settings: &PixelSettings,
+    (x, y): (i32, i32),
+    purpose: Purpose,
+    sample: u32,
+) -> Sampler {
+    let address = PixelAddress {
+        seed: settings.seed,
+        purpose,
+        pixel: pixel_index(settings, x, y),
+        sample,
+    };
+    Sampler::new(settings.sampler, address)
 }
 
 /// Index of a pixel in the full film with the filter's border around it.
@@ -156,20 +208,14 @@ pub(super) fn pixel_index(settings: &PixelSettings, x: i32, y: i32) -> u32 {
     row.wrapping_mul(stride).wrapping_add(column)
 }
 
-/// Place of a camera sample in its pixel.
+/// Place of a pass's camera samples in their pixels; `None` where each has its own.
 ///
 /// A filter that spreads samples over several pixels sees one grid a pass, moved as a whole: the
 /// weights that a pixel collects then add up to one in every pass, so that flat areas have no grain.
 #[inline]
-fn offset_in_pixel(
-    settings: &PixelSettings,
-    purpose: Purpose,
-    sample: u32,
-    sampler: &mut Sampler,
-) -> Vec2 {
-    let own = sampler.next_2d();
+fn offset_of_pass(settings: &PixelSettings, purpose: Purpose, sample: u32) -> Option<Vec2> {
     if settings.filter.is_pixel_box() {
-        return own;
+        return None;
     }
     let address = PixelAddress {
         seed: settings.seed,
@@ -177,7 +223,14 @@ fn offset_in_pixel(
         pixel: GRID,
         sample,
     };
-    Sampler::new(settings.sampler, address).next_2d()
+    Some(Sampler::new(settings.sampler, address).next_2d())
+}
+
+/// Raster position at an offset from the corner of a pixel.
+#[inline]
+fn raster_in_pixel((x, y): (i32, i32), offset: Vec2) -> Vec2 {
+    let corner = Vec2::new(x as f32, y as f32);
+    warp::stretch(offset, corner, corner + 1.0)
 }
 
 /// Mean luminance of 4096 camera samples all over the film: any rough value serves what it is for, if only
@@ -215,5 +268,79 @@ pub(super) fn sample_of_film(
         raster,
         ray,
         sampler,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{Filter, FilterKind, Window};
+    use crate::math::{Mat4, Vec3};
+    use crate::random::SamplerKind;
+    use crate::sensor::{FieldOfViewAxis, PerspectiveSettings, ThinLens};
+
+    fn settings(filter: Filter, sampler: SamplerKind) -> PixelSettings {
+        PixelSettings {
+            seed: 11,
+            film_size: (40, 30),
+            window: Window {
+                x: 0,
+                y: 0,
+                width: 40,
+                height: 30,
+            },
+            filter,
+            sampler,
+            alpha: false,
+            second_moment: false,
+            aovs: Vec::new(),
+            own_layers: Vec::new(),
+        }
+    }
+
+    const PURPOSE: Purpose = Purpose::Pixel;
+
+    /// A camera whose lens shows which numbers it is given.
+    fn sensor() -> Sensor {
+        let pinhole = PerspectiveSettings {
+            to_world: Mat4::from_translation(Vec3::new(0.3, -0.2, 1.0)),
+            field_of_view: 50.0,
+            axis: FieldOfViewAxis::X,
+            near: 0.1,
+            far: 100.0,
+            principal_point_offset: Vec2::ZERO,
+            film_size: (40, 30),
+        };
+        ThinLens::new(pinhole, 0.5, 3.0).unwrap().into()
+    }
+
+    #[test]
+    fn samples_of_a_block_are_those_of_its_pixels_and_go_on_as_they_do() {
+        let (sensor, gaussian) = (sensor(), FilterKind::Gaussian { stddev: 0.5 });
+        let filters = [Filter::pixel_box(), Filter::new(gaussian).unwrap()];
+        let kinds = [
+            SamplerKind::Independent,
+            SamplerKind::Stratified,
+            SamplerKind::Sobol,
+        ];
+        for (filter, kind) in filters
+            .iter()
+            .flat_map(|filter| kinds.map(|kind| (filter, kind)))
+        {
+            let settings = settings(*filter, kind);
+            let sampled = SampledWindow::new(&settings);
+            for (unit, pass) in [(0, 0), (1, 21), (sampled.unit_count() - 1, 3)] {
+                let block = sampled.block(unit);
+                let mut all = CameraSamples::of_block(&sensor, &settings, block, PURPOSE, pass);
+                assert_eq!(all.rasters.len(), block.pixels().len());
+                for (index, pixel) in block.pixels().enumerate() {
+                    let mut alone =
+                        CameraSample::of_pixel(&sensor, &settings, pixel, PURPOSE, pass);
+                    assert_eq!(all.rasters[index], alone.raster);
+                    assert_eq!(all.rays[index], alone.ray);
+                    assert_eq!(all.samplers[index].next_1d(), alone.sampler.next_1d());
+                }
+            }
+        }
     }
 }

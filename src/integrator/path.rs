@@ -55,7 +55,7 @@ impl PathTracer {
     }
 
     /// Light that a ray meets by chance.
-    fn met_environment(&self, scene: &Scene, walk: &Walk, toward: Vec3) -> Rgb {
+    fn met_environment(&self, scene: &Scene, walk: &Walk<'_>, toward: Vec3) -> Rgb {
         let radiance = scene.lights().environment_radiance(toward);
         let weight = walk.departure.density.map_or(1.0, |own| {
             let from = walk.departure.position;
@@ -66,7 +66,13 @@ impl PathTracer {
     }
 
     /// Light of a surface that a ray meets by chance, and that is an emitter.
-    fn met_surface(&self, scene: &Scene, walk: &Walk, hit: &Interaction<'_>, id: EmitterId) -> Rgb {
+    fn met_surface(
+        &self,
+        scene: &Scene,
+        walk: &Walk<'_>,
+        hit: &Interaction<'_>,
+        id: EmitterId,
+    ) -> Rgb {
         let radiance = scene.lights().get(id).radiance(&hit.point, hit.back);
         if radiance.is_black() {
             return radiance;
@@ -100,7 +106,7 @@ impl PathTracer {
 
     /// Russian roulette: ends weak paths, and strengthens those that go on; false ends the path.
     #[inline]
-    pub(super) fn survives(&self, depth: u32, walk: &mut Walk) -> bool {
+    pub(super) fn survives(&self, depth: u32, walk: &mut Walk<'_>) -> bool {
         if depth < self.rr_depth {
             return true;
         }
@@ -118,7 +124,7 @@ impl PathTracer {
 impl PathTracer {
     /// A path that has not left the camera yet.
     #[inline]
-    pub(super) fn start(&self, ray: &Ray, sampler: Sampler) -> Walk {
+    pub(super) fn start<'r>(&self, ray: &Ray, sampler: &'r mut Sampler) -> Walk<'r> {
         Walk {
             estimate: Estimate {
                 radiance: Rgb::BLACK,
@@ -163,7 +169,7 @@ impl PathTracer {
     ///
     /// - `depth`: edges of the path that ends at the ray's other end.
     #[inline]
-    pub(super) fn escape(&self, scene: &Scene, depth: u32, walk: &mut Walk, ray: &Ray) {
+    pub(super) fn escape(&self, scene: &Scene, depth: u32, walk: &mut Walk<'_>, ray: &Ray) {
         if !self.sees_through_emitters(depth) {
             let met = self.met_environment(scene, walk, ray.direction());
             walk.estimate.radiance += walk.throughput * met;
@@ -178,7 +184,7 @@ impl PathTracer {
         &self,
         scene: &Scene,
         depth: u32,
-        walk: &mut Walk,
+        walk: &mut Walk<'_>,
         hit: &Interaction<'_>,
     ) -> bool {
         if let Some(id) = hit.emitter {
@@ -199,7 +205,7 @@ impl PathTracer {
     pub(super) fn connect(
         &self,
         scene: &Scene,
-        walk: &mut Walk,
+        walk: &mut Walk<'_>,
         hit: &Interaction<'_>,
     ) -> Option<Connection> {
         if !hit.lobes.finite {
@@ -233,8 +239,13 @@ impl PathTracer {
     ///
     /// - `depth`: edges of the path that ends at the surface.
     #[inline(always)]
-    pub(super) fn depart(&self, depth: u32, walk: &mut Walk, hit: &Interaction<'_>) -> Option<Ray> {
-        let scattered = self.scatter(hit, &mut walk.sampler);
+    pub(super) fn depart(
+        &self,
+        depth: u32,
+        walk: &mut Walk<'_>,
+        hit: &Interaction<'_>,
+    ) -> Option<Ray> {
+        let scattered = self.scatter(hit, walk.sampler);
         if !matches!(&scattered, Some((sample, _)) if sample.lobe == Lobe::Null) {
             walk.estimate.alpha = 1.0;
         }
@@ -258,14 +269,18 @@ impl PixelIntegrator for PathTracer {
         counters: &mut Counters,
     ) -> Estimate {
         let mut ray = camera_ray.to_ray();
-        let mut walk = self.start(&ray, sampler.clone());
+        let mut walk = self.start(&ray, sampler);
         for depth in 1..=self.max_depth {
             let is_hidden = self.sees_through_emitters(depth);
             let Some(hit) = first_hit(scene, &mut ray, is_hidden, counters) else {
                 self.escape(scene, depth, &mut walk, &ray);
                 break;
             };
-            if let Some(next) = self.pass(scene, depth, (&mut walk, &ray, &hit)) {
+            let object = scene.object_at(&hit);
+            if self.passes(object, depth) {
+                let mut next = None;
+                let onward = |ray| next = Some(ray);
+                self.pass(scene, (depth, object), (&mut walk, &ray, &hit), onward);
                 let Some(next) = next else { break };
                 ray = next;
                 continue;
@@ -285,18 +300,17 @@ impl PixelIntegrator for PathTracer {
             };
             ray = next;
         }
-        sampler.clone_from(&walk.sampler);
         walk.estimate
     }
 
     fn estimate_all(
         &self,
         scene: &Scene,
-        samples: &mut dyn Iterator<Item = (CameraRay, Sampler)>,
+        (rays, samplers): (&[CameraRay], &mut [Sampler]),
         counters: &mut Counters,
     ) -> Vec<Estimate> {
-        let mut wave = Wave::new(self, scene, samples.size_hint().0);
-        for (ray, sampler) in samples {
+        let mut wave = Wave::new(self, scene, rays.len());
+        for (ray, sampler) in rays.iter().zip(samplers) {
             let ray = ray.to_ray();
             wave.add(self.start(&ray, sampler), ray);
         }

@@ -2,7 +2,7 @@
 
 use super::Algorithm;
 use super::aov::{self, Aov};
-use super::camera::{CameraSample, SampledWindow, mean_over_film, sample_of_film};
+use super::camera::{CameraSamples, SampledWindow, mean_over_film, sample_of_film};
 use super::render::{Counters, Driver, Integrator};
 use crate::accel::{Hit, Ray};
 use crate::film::{Canvas, Filter, Layer, PassBuffer, Tile, Unit, Window};
@@ -35,15 +35,16 @@ pub trait PixelIntegrator: Send + Sync {
 
     /// Estimates the radiance along many rays: the same as [`PixelIntegrator::estimate`] for each.
     ///
-    /// - `samples`: rays, each with the numbers of its camera sample.
+    /// - `samplers`: one for each ray, the numbers of the rays themselves already taken.
     fn estimate_all(
         &self,
         scene: &Scene,
-        samples: &mut dyn Iterator<Item = (CameraRay, Sampler)>,
+        (rays, samplers): (&[CameraRay], &mut [Sampler]),
         counters: &mut Counters,
     ) -> Vec<Estimate> {
-        samples
-            .map(|(ray, mut sampler)| self.estimate(scene, &ray, &mut sampler, counters))
+        rays.iter()
+            .zip(samplers)
+            .map(|(ray, sampler)| self.estimate(scene, ray, sampler, counters))
             .collect()
     }
 }
@@ -175,17 +176,15 @@ impl<'s> PixelRender<'s> {
     fn run_unit(&self, pass: u32, unit: u32, layers: &[PassBuffer]) -> Counters {
         let mut counters = Counters::default();
         let block = self.sampled.block(unit);
-        let pixels = block.pixels();
-        let mut places = Vec::with_capacity(pixels.len());
-        let mut samples = pixels.map(|pixel| {
-            let sample =
-                CameraSample::of_pixel(self.sensor, &self.settings, pixel, Purpose::Pixel, pass);
-            places.push((sample.ray, sample.raster));
-            (sample.ray, sample.sampler)
-        });
+        let CameraSamples {
+            rasters,
+            rays,
+            mut samplers,
+        } = CameraSamples::of_block(self.sensor, &self.settings, block, Purpose::Pixel, pass);
+        let samples = (&rays[..], &mut samplers[..]);
         let estimates = self
             .integrator
-            .estimate_all(self.scene, &mut samples, &mut counters);
+            .estimate_all(self.scene, samples, &mut counters);
         counters.paths += estimates.len() as u64;
         let filter = &self.settings.filter;
         // Samples stay in their own pixels where the filter keeps them there.
@@ -193,8 +192,8 @@ impl<'s> PixelRender<'s> {
         let tiles = layers.iter();
         let tiles = tiles.map(|layer| block.tile(layer, filter.border(), is_sole));
         let tiles: Vec<_> = tiles.collect();
-        for ((ray, raster), estimate) in places.iter().zip(&estimates) {
-            self.add((ray, *raster), estimate, &tiles, &mut counters);
+        for ((ray, raster), estimate) in rays.iter().zip(rasters).zip(&estimates) {
+            self.add((ray, raster), estimate, &tiles, &mut counters);
         }
         counters
     }

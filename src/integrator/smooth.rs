@@ -5,40 +5,35 @@ use super::walk::{Departure, Walk};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Lobe, Transport};
 use crate::math::Vec3;
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::shape::SurfacePoint;
 
 impl PathTracer {
+    /// Whether walks pass an object by [`PathTracer::pass`]: one that is smooth, does not glow, and where no more is
+    /// asked for than a direction to go on in.
+    ///
+    /// - `depth`: edges of the path that ends there.
+    #[inline(always)]
+    pub(super) fn passes(&self, object: &Object, depth: u32) -> bool {
+        object.is_smooth && object.emitter.is_none() && self.connects_and_departs(depth)
+    }
+
     /// Lets a walk go on by an edge that ends on a smooth surface: what [`PathTracer::depart`] does for any
-    /// material, without a frame. The ray after it, if the path does not end there.
+    /// material, without a frame.
     ///
     /// - `depth`: edges of the path that ends at the hit.
+    /// - `object`: what is hit, where [`PathTracer::passes`] says yes.
     /// - `ray`: with a unit direction.
-    ///
-    /// `None` on other surfaces, those that glow, and where more is asked for than a direction to go on in.
-    #[inline(always)]
+    /// - `onward`: gets the ray after it, if the path does not end there. A call, so that the ray is written where it
+    ///   stays: as a value that returns it would be read in other pieces than it was written in, and wait.
+    #[inline(never)]
     pub(super) fn pass(
         &self,
         scene: &Scene,
-        depth: u32,
-        (walk, ray, hit): (&mut Walk, &Ray, &Hit),
-    ) -> Option<Option<Ray>> {
-        let object = scene.object_at(hit);
-        let is_passed =
-            object.is_smooth && object.emitter.is_none() && self.connects_and_departs(depth);
-        is_passed.then(|| self.pass_smooth(scene, depth, (walk, ray, hit)))
-    }
-
-    /// [`PathTracer::pass`] where it applies.
-    #[inline(never)]
-    fn pass_smooth(
-        &self,
-        scene: &Scene,
-        depth: u32,
-        (walk, ray, hit): (&mut Walk, &Ray, &Hit),
-    ) -> Option<Ray> {
-        let mut point = SurfacePoint::bare(Vec3::ZERO);
-        let (_, object) = scene.put_surface(ray, hit, &mut point);
+        (depth, object): (u32, &Object),
+        (walk, ray, hit): (&mut Walk<'_>, &Ray, &Hit),
+        onward: impl FnOnce(Ray),
+    ) {
         let u_lobe = if object.lobes.single {
             0.0
         } else {
@@ -46,6 +41,8 @@ impl PathTracer {
         };
         // Those that any material is given.
         let _ = walk.sampler.next_2d();
+        let mut point = SurfacePoint::bare(Vec3::ZERO);
+        scene.put_surface(ray, hit, &mut point);
         let (normal, back) = (point.shading_normal, -ray.direction());
         let cos = back.dot(normal);
         let sampled =
@@ -60,10 +57,10 @@ impl PathTracer {
         {
             walk.estimate.alpha = 1.0;
         }
-        let event = sampled?;
+        let Some(event) = sampled else { return };
         let weight = event.coefficient / event.probability;
         if weight.is_black() {
-            return None;
+            return;
         }
         let departure = Departure {
             position: point.position,
@@ -71,7 +68,9 @@ impl PathTracer {
         };
         let next = point.ray_toward(event.direction.of_world(back, cos, normal));
         walk.scatter(departure, weight, event.eta);
-        self.survives(depth, walk).then_some(next)
+        if self.survives(depth, walk) {
+            onward(next);
+        }
     }
 }
 
@@ -144,16 +143,32 @@ mod tests {
         (0..600).filter_map(ray).collect()
     }
 
+    /// The ray behind a hit, if the path goes on; `None` where hits are not passed.
+    fn passed(
+        tracer: &PathTracer,
+        scene: &Scene,
+        depth: u32,
+        (walk, ray, hit): (&mut Walk<'_>, &Ray, &Hit),
+    ) -> Option<Option<Ray>> {
+        let object = scene.object_at(hit);
+        tracer.passes(object, depth).then(|| {
+            let mut next = None;
+            let onward = |ray| next = Some(ray);
+            tracer.pass(scene, (depth, object), (walk, ray, hit), onward);
+            next
+        })
+    }
+
     /// Passes a hit in both ways; true where the path goes on.
     fn passes_as_any(scene: &Scene, depth: u32, (ray, hit, sampler): &(Ray, Hit, Sampler)) -> bool {
         let tracer = unlimited();
-        let start = || {
-            let mut walk = tracer.start(ray, sampler.clone());
+        let mut samplers = [sampler.clone(), sampler.clone()];
+        let [mut walk, mut expected] = samplers.each_mut().map(|sampler| {
+            let mut walk = tracer.start(ray, sampler);
             walk.set_state(Vec4::new(0.8, 0.3, 0.5, 1.25));
             walk
-        };
-        let (mut walk, mut expected) = (start(), start());
-        let next = tracer.pass(scene, depth, (&mut walk, ray, hit)).unwrap();
+        });
+        let next = passed(&tracer, scene, depth, (&mut walk, ray, hit)).unwrap();
         let surface = scene.interaction(ray, hit);
         assert!(tracer.arrive(scene, depth, &mut expected, &surface));
         assert!(tracer.connect(scene, &mut expected, &surface).is_none());
@@ -217,13 +232,14 @@ mod tests {
                 bsdf.clone()
             };
             let scene = scene([bsdf, instanced], radiance);
-            for (ray, hit, sampler) in walks(&scene) {
-                let mut walk = tracer.start(&ray, sampler);
-                let passed = tracer.pass(&scene, depth, (&mut walk, &ray, &hit));
+            for (ray, hit, mut sampler) in walks(&scene) {
+                let mut walk = tracer.start(&ray, &mut sampler);
+                let passed = passed(&tracer, &scene, depth, (&mut walk, &ray, &hit));
                 assert!(passed.is_none());
             }
         }
     }
+
     #[test]
     fn instances_are_passed_by_their_own_material() {
         let (tracer, glass) = (unlimited(), || Bsdf::smooth_examples().swap_remove(0));
@@ -233,9 +249,9 @@ mod tests {
                 bsdfs.reverse();
             }
             let scene = scene(bsdfs, None);
-            for (ray, hit, sampler) in walks(&scene) {
-                let mut walk = tracer.start(&ray, sampler);
-                let passed = tracer.pass(&scene, 1, (&mut walk, &ray, &hit));
+            for (ray, hit, mut sampler) in walks(&scene) {
+                let mut walk = tracer.start(&ray, &mut sampler);
+                let passed = passed(&tracer, &scene, 1, (&mut walk, &ray, &hit));
                 assert_eq!(passed.is_some(), hit.instance.is_none() == glass_in_world);
             }
         }

@@ -16,7 +16,7 @@ pub(super) struct Departure {
 }
 
 /// A path under way: what it has collected, and what it carries along.
-pub(super) struct Walk {
+pub(super) struct Walk<'r> {
     /// What it has collected.
     pub(super) estimate: Estimate,
     pub(super) throughput: Rgb,
@@ -24,10 +24,11 @@ pub(super) struct Walk {
     /// made radiance grow by its square.
     pub(super) eta: f32,
     pub(super) departure: Departure,
-    pub(super) sampler: Sampler,
+    /// Its random numbers.
+    pub(super) sampler: &'r mut Sampler,
 }
 
-impl Walk {
+impl Walk<'_> {
     /// The throughput, and [`Walk::eta`] last.
     #[inline(always)]
     pub(super) fn state(&self) -> Vec4 {

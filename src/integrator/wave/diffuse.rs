@@ -27,6 +27,8 @@ pub(super) struct DiffuseVertex<'s> {
     mesh: &'s TriangleMesh,
     ray: &'s Ray,
     hit: &'s Hit,
+    /// For the emitter, and for what is behind.
+    numbers: Vec4,
 }
 
 impl<'s> DiffuseVertex<'s> {
@@ -52,6 +54,7 @@ impl<'s> DiffuseVertex<'s> {
             mesh,
             ray,
             hit,
+            numbers: Vec4::ZERO,
         })
     }
 }
@@ -89,23 +92,38 @@ impl<'v> Group<'v> {
     }
 }
 
+/// Lets the paths of vertices go on by an edge.
+///
+/// - `depth`: edges of the paths that end at the vertices; not the last ones.
+pub(super) fn advance_all(
+    at: (&PathTracer, &Scene, u32),
+    vertices: &mut [DiffuseVertex<'_>],
+    walks: &mut [Walk<'_>],
+    outcome: &mut Outcome,
+) {
+    // All at first: the processor makes those of several paths side by side, and no direction waits for its own.
+    for vertex in &mut *vertices {
+        vertex.numbers = walks[vertex.walk as usize].sampler.next_pairs();
+    }
+    for group in vertices.chunks(LANES) {
+        advance(at, group, walks, outcome);
+    }
+}
+
 /// Lets the paths of up to four vertices, and of one at least, go on by an edge.
 ///
 /// - `depth`: edges of the paths that end at the vertices; not the last ones.
 #[inline(never)]
-pub(super) fn advance(
+fn advance(
     (tracer, scene, depth): (&PathTracer, &Scene, u32),
     vertices: &[DiffuseVertex<'_>],
-    walks: &mut [Walk],
+    walks: &mut [Walk<'_>],
     outcome: &mut Outcome,
 ) {
     let group = Group::new(vertices);
     let surface = group.surfaces();
     let material = group.materials(surface.shading_normal);
-    let mut numbers = [Vec4::ZERO; LANES];
-    for (vertex, numbers) in vertices.iter().zip(&mut numbers) {
-        *numbers = walks[vertex.walk as usize].sampler.next_pairs();
-    }
+    let numbers = each(|lane| group.0[lane].numbers);
     let aims = Aims::sample(scene, surface.position, each(|lane| numbers[lane].xy()));
     let (rays, radiance, found) = connect(tracer, &surface, &material, &aims);
     let states = each(|lane| walks[group.0[lane].walk as usize].state());

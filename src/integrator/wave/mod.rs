@@ -13,14 +13,13 @@ use super::pixel::{Estimate, first_hit};
 use super::render::Counters;
 use super::walk::Walk;
 use crate::accel::{Hit, Ray};
-use crate::math::lanes::LANES;
 use crate::scene::Scene;
 
 /// Paths that go on together.
 pub(super) struct Wave<'s> {
     tracer: &'s PathTracer,
     scene: &'s Scene,
-    walks: Vec<Walk>,
+    walks: Vec<Walk<'s>>,
     edges: Edges,
     /// What the ray of each edge meets.
     hits: Vec<Option<Hit>>,
@@ -84,7 +83,7 @@ impl<'s> Wave<'s> {
 
     /// Adds a path with the ray that it begins with.
     #[inline]
-    pub(super) fn add(&mut self, walk: Walk, ray: Ray) {
+    pub(super) fn add(&mut self, walk: Walk<'s>, ray: Ray) {
         self.edges.push(self.walks.len() as u32, ray);
         self.walks.push(walk);
     }
@@ -125,7 +124,7 @@ impl<'s> Wave<'s> {
         outcome.connections.clear();
         outcome.next.clear();
         let takes_diffuse = self.tracer.connects_and_departs(depth);
-        let mut waiting = Vec::with_capacity(LANES);
+        let mut diffuse = Vec::with_capacity(self.hits.len());
         let edges = self.edges.walks.iter().zip(&self.edges.rays);
         for ((walk, ray), hit) in edges.zip(&self.hits) {
             let Some(hit) = hit else {
@@ -134,19 +133,13 @@ impl<'s> Wave<'s> {
                 continue;
             };
             let vertex = takes_diffuse.then(|| DiffuseVertex::at(self.scene, *walk, ray, hit));
-            let Some(vertex) = vertex.flatten() else {
+            if let Some(vertex) = vertex.flatten() {
+                diffuse.push(vertex);
+            } else {
                 advance_alone(at, (*walk, ray, hit), walks, outcome);
-                continue;
-            };
-            waiting.push(vertex);
-            if waiting.len() == LANES {
-                diffuse::advance(at, &waiting, walks, outcome);
-                waiting.clear();
             }
         }
-        if !waiting.is_empty() {
-            diffuse::advance(at, &waiting, walks, outcome);
-        }
+        diffuse::advance_all(at, &mut diffuse, walks, outcome);
     }
 
     /// Adds the light of the sampled emitters that nothing hides.
@@ -168,15 +161,14 @@ impl<'s> Wave<'s> {
 fn advance_alone(
     (tracer, scene, depth): (&PathTracer, &Scene, u32),
     (index, ray, hit): (u32, &Ray, &Hit),
-    walks: &mut [Walk],
+    walks: &mut [Walk<'_>],
     outcome: &mut Outcome,
 ) {
     let walk = &mut walks[index as usize];
-    if let Some(next) = tracer.pass(scene, depth, (walk, ray, hit)) {
-        if let Some(next) = next {
-            outcome.next.push(index, next);
-        }
-        return;
+    let object = scene.object_at(hit);
+    if tracer.passes(object, depth) {
+        let onward = |next| outcome.next.push(index, next);
+        return tracer.pass(scene, (depth, object), (walk, ray, hit), onward);
     }
     let surface = scene.interaction(ray, hit);
     if !tracer.arrive(scene, depth, walk, &surface) {
