@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 
-use super::{Filter, Window};
+use super::{Filter, Window, pixel_of};
 use crate::math::{Rgb, Vec2};
 
 /// Value of one step of a layer's fixed-point numbers: a power of two.
@@ -75,25 +75,48 @@ impl PassBuffer {
         values * size_of::<AtomicI64>() as u64
     }
 
-    /// Works out what an estimate adds to which pixels, some of which may lie outside of the window, in
-    /// steps. What is rejected is counted.
-    #[inline]
-    pub(super) fn split<const N: usize>(
+    /// An estimate in steps of the layer's numbers, before they are rounded.
+    #[inline(always)]
+    fn steps<const N: usize>(&self, values: [f32; N]) -> [f64; N] {
+        debug_assert_eq!(N, self.channels, "one value a channel");
+        values.map(|value| f64::from(value) * self.steps_per_one)
+    }
+
+    /// Works out what an estimate adds to the one pixel that it counts for, which may lie outside of the window, in
+    /// steps; `None` where a filter spreads it over several, or it is too large to be rounded soon.
+    ///
+    /// What returns is in registers, and is added from there: in memory it would be read in other pieces than it was
+    /// written in, and wait.
+    #[inline(always)]
+    pub(super) fn steps_on_pixel<const N: usize>(
         &self,
         filter: &Filter,
         raster: Vec2,
         values: [f32; N],
-        mut add: impl FnMut(i32, i32, [i64; N]),
+    ) -> Option<((i32, i32), [i64; N])> {
+        let steps = self.steps(values);
+        let is_small = steps.iter().all(|steps| steps.abs() < LARGEST_NEAREST);
+        (is_small && filter.is_pixel_box()).then(|| (pixel_of(raster), steps.map(nearest)))
+    }
+
+    /// Works out what any estimate adds to which pixels, some of which may lie outside of the window, in
+    /// steps. What is rejected is counted.
+    #[inline(never)]
+    pub(super) fn spread<const N: usize>(
+        &self,
+        filter: &Filter,
+        raster: Vec2,
+        values: [f32; N],
+        mut add: impl FnMut((i32, i32), [i64; N]),
     ) {
-        debug_assert_eq!(N, self.channels, "one value a channel");
-        let steps = values.map(|value| f64::from(value) * self.steps_per_one);
+        let steps = self.steps(values);
         if !steps.iter().all(|steps| steps.abs() < LARGEST_ESTIMATE) {
             self.rejected.fetch_add(1, Relaxed);
             return;
         }
         filter.for_each_pixel(raster, |x, y, weight| {
             let weight = f64::from(weight);
-            add(x, y, steps.map(|steps| rounded(steps * weight)));
+            add((x, y), steps.map(|steps| rounded(steps * weight)));
         });
     }
 
@@ -208,18 +231,40 @@ impl PassBuffer {
 impl Canvas for PassBuffer {
     #[inline]
     fn add<const N: usize>(&self, filter: &Filter, raster: Vec2, values: [f32; N]) {
-        let add = |x, y, steps| self.add_steps((x, y), steps);
-        self.split(filter, raster, values, add);
+        match self.steps_on_pixel(filter, raster, values) {
+            Some((pixel, steps)) => self.add_steps(pixel, steps),
+            None => self.spread(filter, raster, values, |pixel, steps| {
+                self.add_steps(pixel, steps);
+            }),
+        }
     }
 }
 
 /// Largest size of one estimate, in steps: leaves room for 2⁷ such estimates on one pixel of a pass.
 const LARGEST_ESTIMATE: f64 = (1_u64 << 56) as f64;
 
-/// Rounds to the nearest integer, halves away from zero.
-#[inline]
+/// Rounds to the nearest integer.
+#[inline(always)]
 fn rounded(steps: f64) -> i64 {
-    (steps + 0.5_f64.copysign(steps)) as i64
+    if steps.abs() < LARGEST_NEAREST {
+        nearest(steps)
+    } else {
+        (steps + 0.5_f64.copysign(steps)) as i64
+    }
+}
+
+/// What [`nearest`] rounds is smaller.
+const LARGEST_NEAREST: f64 = (1_u64 << 51) as f64;
+
+/// Rounds to the nearest integer, halves to even ones.
+///
+/// Numbers around one and a half times 2⁵² lie one apart, and next to each other as bits. No test for what an
+/// integer cannot hold is needed, as there is where a number is converted.
+#[inline(always)]
+fn nearest(steps: f64) -> i64 {
+    debug_assert!(steps.abs() < LARGEST_NEAREST);
+    const ZERO: f64 = 1.5 * (1_u64 << 52) as f64;
+    (steps + ZERO).to_bits() as i64 - ZERO.to_bits() as i64
 }
 
 #[cfg(test)]
@@ -237,6 +282,39 @@ mod tests {
         for broken in [0.0, f64::NAN, f64::INFINITY] {
             assert_eq!(Unit::for_magnitude(broken), Unit::for_magnitude(1.0));
         }
+    }
+
+    #[test]
+    fn steps_are_rounded_to_the_nearest() {
+        let most = LARGEST_NEAREST;
+        for whole in [0.0, 1.0, 2.0, 7.0, 1e6, 4e9, most - 2.0, most, 1e16, 7e16] {
+            for part in [0.0, 0.25, 0.499, 0.501, 0.75] {
+                // Large numbers have no such parts.
+                let steps: f64 = whole + part;
+                for steps in [steps, -steps] {
+                    assert_eq!(rounded(steps), steps.round() as i64, "{steps}");
+                }
+            }
+        }
+        assert_eq!([0.5, 1.5, -0.5, -2.5].map(rounded), [0, 2, 0, -2]);
+    }
+
+    #[test]
+    fn large_estimates_land_where_small_ones_do() {
+        let window = Window {
+            x: 0,
+            y: 0,
+            width: 2,
+            height: 1,
+        };
+        let mut buffer = PassBuffer::new(window, 3, Unit::for_magnitude(1.0));
+        let filter = Filter::pixel_box();
+        let large = 2.0_f32.powi(20);
+        buffer.add(&filter, Vec2::new(1.5, 0.5), [1.0, -large, 2.0]);
+        buffer.add(&filter, Vec2::new(0.5, 0.5), [1.0, f32::INFINITY, 2.0]);
+        buffer.add(&filter, Vec2::new(0.5, 0.5), [0.0, 0.0, 2.0_f32.powi(24)]);
+        assert_eq!(sums(&mut buffer), [0, 0, 0, 1 << 32, -(1 << 52), 1 << 33]);
+        assert_eq!(buffer.rejected(), 2);
     }
 
     #[test]

@@ -58,18 +58,29 @@ impl<'b> Tile<'b> {
 impl Canvas for Tile<'_> {
     #[inline]
     fn add<const N: usize>(&self, filter: &Filter, raster: Vec2, values: [f32; N]) {
-        self.buffer.split(filter, raster, values, |x, y, steps| {
-            let Some(pixel) = self.window.index_of(x, y) else {
-                return self.buffer.add_steps((x, y), steps);
-            };
-            let Some(kept) = &self.kept else {
-                return self.buffer.add_steps_alone((x, y), steps);
-            };
-            let sums = &kept[pixel * N..(pixel + 1) * N];
-            for (sum, steps) in sums.iter().zip(steps) {
-                sum.set(sum.get().wrapping_add(steps));
-            }
-        });
+        match self.buffer.steps_on_pixel(filter, raster, values) {
+            Some((pixel, steps)) => self.add_steps(pixel, steps),
+            None => self.buffer.spread(filter, raster, values, |pixel, steps| {
+                self.add_steps(pixel, steps);
+            }),
+        }
+    }
+}
+
+impl Tile<'_> {
+    /// Adds steps to a pixel of the full film, if it lies in the buffer's window.
+    #[inline(always)]
+    fn add_steps<const N: usize>(&self, (x, y): (i32, i32), steps: [i64; N]) {
+        let Some(pixel) = self.window.index_of(x, y) else {
+            return self.buffer.add_steps((x, y), steps);
+        };
+        let Some(kept) = &self.kept else {
+            return self.buffer.add_steps_alone((x, y), steps);
+        };
+        let sums = &kept[pixel * N..(pixel + 1) * N];
+        for (sum, steps) in sums.iter().zip(steps) {
+            sum.set(sum.get().wrapping_add(steps));
+        }
     }
 }
 

@@ -42,8 +42,10 @@ impl<'a> Landing<'a> {
     /// - `energy`: as luminance; the second number goes to the filtered layer.
     #[inline]
     pub(in crate::integrator) fn land(&self, raster: Vec2, colour: Rgb, energy: (f64, f64)) {
-        let weight = self.importance.map_or(1.0, |map| map.at(raster));
-        let energy = (energy.0 / weight, energy.1 / weight);
+        let energy = self.importance.map_or(energy, |map| {
+            let weight = map.at(raster);
+            (energy.0 / weight, energy.1 / weight)
+        });
         if energy.0 > 0.0 {
             let value = (colour * energy.0 as f32).to_array();
             match self.tile {
