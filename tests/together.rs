@@ -52,11 +52,15 @@ fn assert_same(views: &[(Scene, Sensor)], options: &[&str], kind: SamplerKind) {
         let integrator = pixel_integrator(options);
         let (rays, mut samplers) = camera_samples(sensor, kind);
         let (mut of_all, mut of_each) = (Counters::default(), Counters::default());
-        let together = integrator.estimate_all(scene, (&rays, &mut samplers.clone()), &mut of_all);
+        let mut advanced = samplers.clone();
+        let together = integrator.estimate_all(scene, (&rays, &mut advanced), &mut of_all);
         assert_eq!(together.len(), rays.len());
         for ((estimate, ray), sampler) in together.iter().zip(&rays).zip(&mut samplers) {
             let alone = integrator.estimate(scene, ray, sampler, &mut of_each);
             assert_eq!(bits(estimate), bits(&alone), "{options}, {ray:?}");
+        }
+        for (together, alone) in advanced.iter_mut().zip(&mut samplers) {
+            assert_eq!(together.next_1d(), alone.next_1d(), "{options}");
         }
         assert_eq!(of_all, of_each, "{options}");
         assert_eq!(of_all.rays == 0, options.ends_with("max_depth=0"));

@@ -119,7 +119,9 @@ mod tests {
             let place = Vec2::new((index * 7 % 31) as f32, (index * 11 % 23) as f32) * 0.5 - 1.0;
             on.add(filter, place, [0.1, index as f32, -0.7]);
         }
+        // One that is rejected, and one that is large.
         on.add(filter, Vec2::splat(5.5), [f32::NAN, 1.0, 1.0]);
+        on.add(filter, Vec2::splat(5.5), [1.0, -2.0_f32.powi(20), 0.5]);
     }
 
     #[test]

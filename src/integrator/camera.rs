@@ -157,6 +157,8 @@ pub(super) struct CameraSamples {
 impl CameraSamples {
     /// What [`CameraSample::of_pixel`] makes of each pixel of a block.
     ///
+    /// - `sample`: which one of each pixel.
+    ///
     /// Part by part, so that no ray waits for its own numbers: the processor makes those of several pixels, and then
     /// several rays, side by side.
     pub(super) fn of_block(
@@ -183,6 +185,8 @@ impl CameraSamples {
 }
 
 /// The numbers of a camera sample of a pixel.
+///
+/// - `sample`: which one of the pixel.
 #[inline]
 fn sampler_of_pixel(
     settings: &PixelSettings,
@@ -284,10 +288,10 @@ mod tests {
             seed: 11,
             film_size: (40, 30),
             window: Window {
-                x: 0,
-                y: 0,
-                width: 40,
-                height: 30,
+                x: 5,
+                y: 3,
+                width: 35,
+                height: 20,
             },
             filter,
             sampler,

@@ -309,6 +309,7 @@ impl PixelIntegrator for PathTracer {
         (rays, samplers): (&[CameraRay], &mut [Sampler]),
         counters: &mut Counters,
     ) -> Vec<Estimate> {
+        debug_assert_eq!(rays.len(), samplers.len());
         let mut wave = Wave::new(self, scene, rays.len());
         for (ray, sampler) in rays.iter().zip(samplers) {
             let ray = ray.to_ray();
