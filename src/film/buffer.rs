@@ -310,6 +310,27 @@ mod tests {
     }
 
     #[test]
+    fn wide_filters_spread_an_estimate_by_their_weights() {
+        let window = Window {
+            x: 0,
+            y: 0,
+            width: 5,
+            height: 5,
+        };
+        let gaussian = Filter::new(crate::film::FilterKind::Gaussian { stddev: 0.5 }).unwrap();
+        let (place, value) = (Vec2::new(2.3, 1.9), 0.75);
+        let mut buffer = PassBuffer::new(window, 1, Unit::for_magnitude(1.0));
+        buffer.add(&gaussian, place, [value]);
+        let mut expected = [0; 25];
+        gaussian.for_each_pixel(place, |x, y, weight| {
+            let steps = f64::from(weight) * f64::from(value) * 2.0_f64.powi(32);
+            expected[(5 * y + x) as usize] = steps.round_ties_even() as i64;
+        });
+        assert!(expected.iter().filter(|steps| **steps > 1 << 20).count() > 9);
+        assert_eq!(sums(&mut buffer), expected);
+    }
+
+    #[test]
     fn large_estimates_land_where_small_ones_do() {
         let window = Window {
             x: 0,
