@@ -83,7 +83,7 @@ impl PassBuffer {
     }
 
     /// Works out what an estimate adds to the one pixel that it counts for, which may lie outside of the window, in
-    /// steps; `None` where a filter spreads it over several, or it is too large to be rounded soon.
+    /// steps; `None` where a filter spreads it over several, or it is too large for [`nearest`].
     ///
     /// - `raster`, `values`: as [`Canvas::add`] has them.
     ///
@@ -291,6 +291,16 @@ mod tests {
         }
     }
 
+    /// All of a film.
+    fn film(width: u32, height: u32) -> Window {
+        Window {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        }
+    }
+
     #[test]
     fn steps_are_rounded_to_the_nearest() {
         let most = LARGEST_NEAREST;
@@ -311,12 +321,7 @@ mod tests {
 
     #[test]
     fn wide_filters_spread_an_estimate_by_their_weights() {
-        let window = Window {
-            x: 0,
-            y: 0,
-            width: 5,
-            height: 5,
-        };
+        let window = film(5, 5);
         let gaussian = Filter::new(crate::film::FilterKind::Gaussian { stddev: 0.5 }).unwrap();
         let (place, value) = (Vec2::new(2.3, 1.9), 0.75);
         let mut buffer = PassBuffer::new(window, 1, Unit::for_magnitude(1.0));
@@ -332,12 +337,7 @@ mod tests {
 
     #[test]
     fn large_estimates_land_where_small_ones_do() {
-        let window = Window {
-            x: 0,
-            y: 0,
-            width: 2,
-            height: 1,
-        };
+        let window = film(2, 1);
         let mut buffer = PassBuffer::new(window, 3, Unit::for_magnitude(1.0));
         let filter = Filter::pixel_box();
         let large = 2.0_f32.powi(20);

@@ -155,7 +155,7 @@ pub(super) struct CameraSamples {
 }
 
 impl CameraSamples {
-    /// What [`CameraSample::of_pixel`] makes of each pixel of a block.
+    /// What [`CameraSample::of_pixel`] makes of each pixel of a block, for [`Purpose::Pixel`].
     ///
     /// - `sample`: which one of each pixel.
     ///
@@ -165,9 +165,9 @@ impl CameraSamples {
         sensor: &Sensor,
         settings: &PixelSettings,
         block: Block,
-        purpose: Purpose,
         sample: u32,
     ) -> Self {
+        let purpose = Purpose::Pixel;
         let sampler = |pixel| sampler_of_pixel(settings, pixel, purpose, sample);
         let mut samplers: Vec<_> = block.pixels().map(sampler).collect();
         let numbers: Vec<_> = samplers.iter_mut().map(Sampler::next_pairs).collect();
@@ -302,8 +302,6 @@ mod tests {
         }
     }
 
-    const PURPOSE: Purpose = Purpose::Pixel;
-
     /// A camera whose lens shows which numbers it is given.
     fn sensor() -> Sensor {
         let pinhole = PerspectiveSettings {
@@ -335,11 +333,11 @@ mod tests {
             let sampled = SampledWindow::new(&settings);
             for (unit, pass) in [(0, 0), (1, 21), (sampled.unit_count() - 1, 3)] {
                 let block = sampled.block(unit);
-                let mut all = CameraSamples::of_block(&sensor, &settings, block, PURPOSE, pass);
+                let mut all = CameraSamples::of_block(&sensor, &settings, block, pass);
                 assert_eq!(all.rasters.len(), block.pixels().len());
                 for (index, pixel) in block.pixels().enumerate() {
                     let mut alone =
-                        CameraSample::of_pixel(&sensor, &settings, pixel, PURPOSE, pass);
+                        CameraSample::of_pixel(&sensor, &settings, pixel, Purpose::Pixel, pass);
                     assert_eq!(all.rasters[index], alone.raster);
                     assert_eq!(all.rays[index], alone.ray);
                     assert_eq!(all.samplers[index].next_1d(), alone.sampler.next_1d());

@@ -276,11 +276,7 @@ impl PixelIntegrator for PathTracer {
                 self.escape(scene, depth, &mut walk, &ray);
                 break;
             };
-            let object = scene.object_at(&hit);
-            if self.passes(object, depth) {
-                let mut next = None;
-                let onward = |ray| next = Some(ray);
-                self.pass(scene, (depth, object), (&mut walk, &ray, &hit), onward);
+            if let Some(next) = self.pass_alone(scene, depth, (&mut walk, &ray, &hit)) {
                 let Some(next) = next else { break };
                 ray = next;
                 continue;

@@ -180,7 +180,7 @@ impl<'s> PixelRender<'s> {
             rasters,
             rays,
             mut samplers,
-        } = CameraSamples::of_block(self.sensor, &self.settings, block, Purpose::Pixel, pass);
+        } = CameraSamples::of_block(self.sensor, &self.settings, block, pass);
         let samples = (&rays[..], &mut samplers[..]);
         let estimates = self
             .integrator

@@ -72,6 +72,25 @@ impl PathTracer {
             onward(next);
         }
     }
+
+    /// [`PathTracer::pass`] where it applies: the ray after it, if the path goes on.
+    ///
+    /// - `depth`, `ray`: as there.
+    #[inline]
+    pub(super) fn pass_alone(
+        &self,
+        scene: &Scene,
+        depth: u32,
+        (walk, ray, hit): (&mut Walk<'_>, &Ray, &Hit),
+    ) -> Option<Option<Ray>> {
+        let object = scene.object_at(hit);
+        self.passes(object, depth).then(|| {
+            let mut next = None;
+            let onward = |ray| next = Some(ray);
+            self.pass(scene, (depth, object), (walk, ray, hit), onward);
+            next
+        })
+    }
 }
 
 #[cfg(test)]
@@ -143,22 +162,6 @@ mod tests {
         (0..600).filter_map(ray).collect()
     }
 
-    /// The ray behind a hit, if the path goes on; `None` where hits are not passed.
-    fn passed(
-        tracer: &PathTracer,
-        scene: &Scene,
-        depth: u32,
-        (walk, ray, hit): (&mut Walk<'_>, &Ray, &Hit),
-    ) -> Option<Option<Ray>> {
-        let object = scene.object_at(hit);
-        tracer.passes(object, depth).then(|| {
-            let mut next = None;
-            let onward = |ray| next = Some(ray);
-            tracer.pass(scene, (depth, object), (walk, ray, hit), onward);
-            next
-        })
-    }
-
     /// Passes a hit in both ways; true where the path goes on.
     fn passes_as_any(scene: &Scene, depth: u32, (ray, hit, sampler): &(Ray, Hit, Sampler)) -> bool {
         let tracer = unlimited();
@@ -168,7 +171,9 @@ mod tests {
             walk.set_state(Vec4::new(0.8, 0.3, 0.5, 1.25));
             walk
         });
-        let next = passed(&tracer, scene, depth, (&mut walk, ray, hit)).unwrap();
+        let next = tracer
+            .pass_alone(scene, depth, (&mut walk, ray, hit))
+            .unwrap();
         let surface = scene.interaction(ray, hit);
         assert!(tracer.arrive(scene, depth, &mut expected, &surface));
         assert!(tracer.connect(scene, &mut expected, &surface).is_none());
@@ -234,7 +239,7 @@ mod tests {
             let scene = scene([bsdf, instanced], radiance);
             for (ray, hit, mut sampler) in walks(&scene) {
                 let mut walk = tracer.start(&ray, &mut sampler);
-                let passed = passed(&tracer, &scene, depth, (&mut walk, &ray, &hit));
+                let passed = tracer.pass_alone(&scene, depth, (&mut walk, &ray, &hit));
                 assert!(passed.is_none());
             }
         }
@@ -251,7 +256,7 @@ mod tests {
             let scene = scene(bsdfs, None);
             for (ray, hit, mut sampler) in walks(&scene) {
                 let mut walk = tracer.start(&ray, &mut sampler);
-                let passed = passed(&tracer, &scene, 1, (&mut walk, &ray, &hit));
+                let passed = tracer.pass_alone(&scene, 1, (&mut walk, &ray, &hit));
                 assert_eq!(passed.is_some(), hit.instance.is_none() == glass_in_world);
             }
         }
