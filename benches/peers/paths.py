@@ -5,8 +5,10 @@
 
 Installs Mitsuba into target/peers by pip. Its vectorised variant needs LLVM: on Debian 12
 `apt install libllvm19`; DRJIT_LIBLLVM_PATH names another one. One thread each; a round has every
-renderer once; the highest rate and the median of the rounds' ratios to the first renderer are
-printed. The scenes' own film sizes are used, `path` with their own options.
+renderer once; the highest rate and the median of the rounds' ratios to lumiflow in the same mode of
+Embree are printed. Robust is lumiflow's default and an option of Mitsuba's scenes, fast is Mitsuba's
+default and `--accel embree-fast` of lumiflow. The scenes' own film sizes are used, `path` with their
+own options.
 """
 
 import argparse
@@ -23,16 +25,20 @@ from pathlib import Path
 MITSUBA = "3.9.1"
 ROOT = Path(__file__).resolve().parents[2]
 
-# Runs in Mitsuba's environment: a scene, a variant, samples a pixel; prints millions of paths a CPU
-# second. Compilation and loading are left out: the second of two renders counts.
+# Runs in Mitsuba's environment: a scene, a variant, samples a pixel, whether Embree is robust; prints
+# millions of paths a CPU second. Compilation and loading are left out: the second of two renders counts.
 PEER = """
-import sys, time
+import os, re, sys, time
 import drjit as dr
 import mitsuba as mi
-path, variant, spp = sys.argv[1], sys.argv[2], int(sys.argv[3])
+path, variant, spp, robust = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4]
 mi.set_variant(variant)
 dr.set_thread_count(1)
-scene = mi.load_file(path)
+option = f'<boolean name="embree_use_robust_intersections" value="{robust}"/>'
+text, count = re.subn("(<scene[^>]*>)", lambda start: start[0] + option, open(path).read(), count=1)
+assert count == 1, "a scene was expected"
+mi.file_resolver().append(os.path.dirname(os.path.abspath(path)))
+scene = mi.load_string(text)
 size = scene.sensors()[0].film().crop_size()
 def render(seed):
     start = time.process_time()
@@ -63,28 +69,28 @@ def llvm():
     return named or (found[0] if found else None)
 
 
-def mitsuba(python, variant, spp):
+def mitsuba(python, variant, spp, robust=False):
     """A function that measures a scene with a variant of Mitsuba."""
     variables = dict(os.environ)
     if library := llvm():
         variables["DRJIT_LIBLLVM_PATH"] = library
 
     def rate(scene):
-        command = [python, "-c", PEER, scene, variant, str(spp)]
+        command = [python, "-c", PEER, scene, variant, str(spp), str(robust).lower()]
         run = subprocess.run(command, check=True, capture_output=True, text=True, env=variables)
         return float(run.stdout.split()[-1])
 
     return rate
 
 
-def lumiflow(program, spp):
+def lumiflow(program, spp, accel):
     """A function that measures a scene with lumiflow."""
 
     def rate(scene):
         with tempfile.TemporaryDirectory() as out:
             picture = os.path.join(out, "out.exr")
             command = [program, "render", scene, "-i", "path", "--spp", str(spp), "-t", "1"]
-            command += ["-q", "--json", "-o", picture]
+            command += ["-q", "--json", "-o", picture, "--accel", accel]
             run = subprocess.run(command, check=True, capture_output=True, text=True)
         found = json.loads(run.stdout.strip().splitlines()[-1])
         return found["paths"] / found["cpu_s"] / 1e6
@@ -99,22 +105,28 @@ def main():
     arguments.add_argument("--rounds", type=int, default=3)
     given = arguments.parse_args()
     python = environment()
+    # By name and mode of Embree.
     renderers = {
-        "lumiflow": lumiflow(given.lumiflow, 48),
-        f"Mitsuba {MITSUBA} scalar_rgb": mitsuba(python, "scalar_rgb", 16),
+        ("lumiflow", "robust"): lumiflow(given.lumiflow, 48, "embree"),
+        ("lumiflow", "fast"): lumiflow(given.lumiflow, 48, "embree-fast"),
     }
-    if llvm():
-        renderers[f"Mitsuba {MITSUBA} llvm_ad_rgb"] = mitsuba(python, "llvm_ad_rgb", 64)
-    else:
+    variants = {"scalar_rgb": 16, "llvm_ad_rgb": 64}
+    if not llvm():
+        del variants["llvm_ad_rgb"]
         print("llvm_ad_rgb is left out: LLVM was not found", file=sys.stderr)
-    print("| scene | renderer | million paths a CPU second | ratio to lumiflow |")
-    print("|---|---|---|---|")
+    for variant, spp in variants.items():
+        name = f"Mitsuba {MITSUBA} {variant}"
+        renderers[name, "robust"] = mitsuba(python, variant, spp, robust=True)
+        renderers[name, "fast"] = mitsuba(python, variant, spp)
+    print("| scene | renderer | Embree | million paths a CPU second | lumiflow's over it |")
+    print("|---|---|---|---|---|")
     for scene in given.scenes:
         rounds = [{n: rate(scene) for n, rate in renderers.items()} for _ in range(given.rounds)]
-        for name in renderers:
-            rates = [found[name] for found in rounds]
-            ratio = statistics.median(found[name] / found["lumiflow"] for found in rounds)
-            print(f"| {Path(scene).parent.name} | {name} | {max(rates):.2f} | {ratio:.2f} |")
+        for name, mode in renderers:
+            rates = [found[name, mode] for found in rounds]
+            ratio = statistics.median(r["lumiflow", mode] / r[name, mode] for r in rounds)
+            row = [Path(scene).parent.name, name, mode, f"{max(rates):.2f}", f"{ratio:.2f}"]
+            print("| " + " | ".join(row) + " |", flush=True)
 
 
 if __name__ == "__main__":

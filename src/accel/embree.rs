@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use embree4_sys::{CommittedScene, Device, Hit, MemoryUse, SceneBuilder};
+use embree4_sys::{BuildOptions, CommittedScene, Device, Hit, MemoryUse, SceneBuilder};
 
 use super::{AccelError, Engine, Geometry, Instance, Ray};
 use crate::math::Vec3;
@@ -11,22 +11,30 @@ use crate::math::Vec3;
 #[derive(Debug)]
 pub(super) struct EmbreeAccel {
     scene: CommittedScene,
+    robust: bool,
 }
 
 impl EmbreeAccel {
     /// As [`super::Accel::build`].
+    ///
+    /// - `robust`: whether no ray may slip through between two triangles.
     pub(super) fn build<G: IntoIterator<Item = Geometry>>(
+        robust: bool,
         geometries: impl IntoIterator<Item = Geometry>,
         groups: impl IntoIterator<Item = G>,
         instances: impl IntoIterator<Item = Instance>,
     ) -> Result<Self, AccelError> {
         let device = Device::new("")?;
-        let mut world = SceneBuilder::new(&device)?;
+        let options = BuildOptions {
+            robust,
+            ..BuildOptions::default()
+        };
+        let mut world = SceneBuilder::with_options(&device, options)?;
         let mut count = 0;
         add_all(&mut world, geometries, &mut count)?;
         let mut built = Vec::new();
         for group in groups {
-            let mut builder = SceneBuilder::new(&device)?;
+            let mut builder = SceneBuilder::with_options(&device, options)?;
             add_all(&mut builder, group, &mut count)?;
             built.push(Arc::new(builder.commit()?));
         }
@@ -37,7 +45,16 @@ impl EmbreeAccel {
         }
         Ok(Self {
             scene: world.commit()?,
+            robust,
         })
+    }
+
+    /// As [`super::Accel::engine`].
+    pub(super) fn engine(&self) -> Engine {
+        match self.robust {
+            true => Engine::Embree,
+            false => Engine::EmbreeFast,
+        }
     }
 
     /// The scene in Embree's own terms.

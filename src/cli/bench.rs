@@ -115,7 +115,7 @@ fn about(threads: usize, args: &BenchArgs) -> Vec<(String, String)> {
         ("revision", version::REVISION.to_owned()),
         ("command", words.join(" ")),
         ("threads", threads.to_string()),
-        ("accel", args.tracer.engine().name().to_owned()),
+        ("accel", args.tracer.accel.engine().name().to_owned()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .to_vec()

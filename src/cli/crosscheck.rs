@@ -26,11 +26,17 @@ const DISAGREEMENT: u8 = 1;
 /// # Errors
 /// A file that cannot be read, a scene that cannot be traced, and an address that no ray has.
 pub(super) fn run(args: &CrosscheckArgs) -> Result<u8, Failure> {
+    let engine = args.accel.engine();
+    if engine == Engine::Obvhs {
+        let message =
+            "--accel obvhs: obvhs is what others are compared with; expected embree or embree-fast";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let interruption = Interruption::listen()?;
     let threads = args.threads.map_or_else(execute::all_cores, usize::from);
     let pool = execute::pool(threads)?;
     pool.install(|| {
-        let loaded = args.scene.load(&args.file, args.quiet, Engine::Embree)?;
+        let loaded = args.scene.load(&args.file, args.quiet, engine)?;
         let mut imported = loaded.imported;
         let warnings = std::mem::take(&mut imported.warnings);
         let mut notes = Notes::new(args.scene.strictness(), args.quiet, warnings);
@@ -159,6 +165,7 @@ fn json_line(args: &CrosscheckArgs, outcome: &Outcome, seconds: f64) -> Value {
     });
     json!({
         "scene": args.file.display().to_string(),
+        "accel": args.accel.engine().name(),
         "seed": args.seed,
         "rays": outcome.tally.total().rays,
         "real": outcome.tally.real(),
@@ -174,7 +181,7 @@ fn json_line(args: &CrosscheckArgs, outcome: &Outcome, seconds: f64) -> Value {
 fn replay(args: &CrosscheckArgs, check: &Crosscheck<'_>, ray: &Ray) -> Result<u8, Failure> {
     let (answers, found) = check.replay(ray);
     let mut lines = vec![format!("ray         {}", ray_text(ray))];
-    for (engine, (hit, occluded)) in Engine::ALL
+    for (engine, (hit, occluded)) in [args.accel.engine(), Engine::Obvhs]
         .into_iter()
         .zip(answers.closest.iter().zip(answers.occluded))
     {

@@ -32,9 +32,9 @@ struct Contents {
 /// # Errors
 /// A file that cannot be read, or a scene that cannot be rendered.
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let Loaded { imported, cost } = args
-        .scene
-        .load(&args.file, args.json, args.tracer.engine())?;
+    let Loaded { imported, cost } =
+        args.scene
+            .load(&args.file, args.json, args.tracer.accel.engine())?;
     let contents = Contents::of(&imported.scene, cost);
     if args.json {
         return print_line(&json_line(args, &imported, &contents).to_string());
@@ -121,7 +121,7 @@ fn json_line(args: &InfoArgs, imported: &Imported, contents: &Contents) -> Value
         "lights": lights,
         "sensors": imported.views.iter().map(view).collect::<Vec<_>>(),
         "integrator": imported.integrator.name,
-        "accel": args.tracer.engine().name(),
+        "accel": args.tracer.accel.engine().name(),
         "memory_bytes": contents.peak(),
         "memory": scene_memory(contents.memory),
         "load_s": contents.cost.seconds,
@@ -160,7 +160,7 @@ fn table(args: &InfoArgs, imported: &Imported, contents: &Contents) -> String {
         name => name.to_owned(),
     };
     rows.push(("integrator", integrator));
-    rows.push(("accel", args.tracer.engine().name().to_owned()));
+    rows.push(("accel", args.tracer.accel.engine().name().to_owned()));
     let peak = contents.peak().map_or_else(String::new, |bytes| {
         format!("; {} at most while loading", size(bytes))
     });

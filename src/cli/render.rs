@@ -70,7 +70,7 @@ impl Session<'_> {
     /// Renders one scene and writes its files.
     fn render(&self, target: &Target) -> Result<(), Failure> {
         let args = self.args;
-        let engine = args.tracer.engine();
+        let engine = args.tracer.accel.engine();
         let loaded = args.scene.load(&target.scene, args.quiet, engine)?;
         let (mut imported, load) = (loaded.imported, loaded.cost);
         let warnings = std::mem::take(&mut imported.warnings);

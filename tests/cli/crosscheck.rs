@@ -42,6 +42,28 @@ fn a_sound_scene_passes_and_says_so() {
 }
 
 #[test]
+fn what_the_robust_mode_saves_is_shown() {
+    let place = Place::with_room();
+    let [robust, fast] = ["embree", "embree-fast"].map(|accel| {
+        let words = ["--rays", "9000", "--json", "-q", "--accel", accel];
+        let done = place.run(&[&["crosscheck", "room.xml"][..], &words].concat());
+        assert_eq!(done.code, Some(0), "{}{}", done.stdout, done.stderr);
+        let (_, json) = done.stdout.trim_end().rsplit_once('\n').unwrap();
+        let json: serde_json::Value = serde_json::from_str(json).unwrap();
+        assert_eq!(json["accel"], accel);
+        json["all"]["closest"]["limit"].as_u64().unwrap()
+    });
+    assert!(fast > robust, "{fast} of one, {robust} of the other");
+    let ray = ["--accel", "embree-fast", "--replay", "12/edge"];
+    let replayed = place.run(&[&["crosscheck", "room.xml"][..], &ray].concat());
+    assert!(
+        replayed.stdout.contains("\nembree-fast "),
+        "{}",
+        replayed.stdout
+    );
+}
+
+#[test]
 fn single_rays_are_told_all_about() {
     let place = Place::with_room();
     let done = place.run(&["crosscheck", "room.xml", "--replay", "12/edge"]);
@@ -73,20 +95,21 @@ fn nonsense_is_explained() {
         (["--replay", "edge"], "expected INDEX/KIND"),
         (["--ray", "1,2,3"], "expected eight numbers"),
         (["--rays", "0"], "0 is not in"),
+        (["--accel", "obvhs"], "expected embree or embree-fast"),
     ] {
         let done = place.run(&["crosscheck", "room.xml", words[0], words[1]]);
         assert_eq!(done.code, Some(2), "{words:?}");
         assert!(done.stderr.contains(part), "{words:?}: {}", done.stderr);
     }
-    let done = place.run(&["render", "room.xml", "--accel", "embre"]);
-    assert!(done.stderr.contains("embree"), "{}", done.stderr);
+    let done = place.run(&["render", "room.xml", "--accel", "embreefast"]);
+    assert!(done.stderr.contains("'embree-fast'"), "{}", done.stderr);
     assert_eq!(done.code, Some(2));
 }
 
 #[test]
-fn renders_by_both_tracers_are_nearly_the_same() {
+fn renders_by_all_tracers_are_nearly_the_same() {
     let place = Place::with_room();
-    let [embree, obvhs] = ["embree", "obvhs"].map(|accel| {
+    let [embree, fast, obvhs] = ["embree", "embree-fast", "obvhs"].map(|accel| {
         let file = format!("{accel}.exr");
         let words = [
             "render", "room.xml", "--spp", "32", "--json", "-o", &file, "--accel", accel,
@@ -97,7 +120,7 @@ fn renders_by_both_tracers_are_nearly_the_same() {
         assert_eq!(json["accel"], accel);
         let image = read_exr(&place.path(&file)).unwrap();
         let found = format!("{:?}", image.metadata["lumiflow.accel"]);
-        assert!(found.contains(accel), "{found}");
+        assert!(found.contains(&format!("{accel:?}")), "{found}");
         image.rgb("").unwrap()
     });
     // One path in thousands goes another way, from a last bit on.
@@ -106,11 +129,13 @@ fn renders_by_both_tracers_are_nearly_the_same() {
             .zip(b)
             .all(|(a, b)| (a - b).abs() <= 1e-3 * a.abs().max(0.01))
     };
-    let same = embree.iter().zip(&obvhs).filter(|pair| near(*pair)).count();
-    assert!(same * 10 >= embree.len() * 9, "{same} of {}", embree.len());
     let sum = |image: &[[f32; 3]]| -> f64 { image.iter().flatten().map(|v| f64::from(*v)).sum() };
-    let ratio = sum(&obvhs) / sum(&embree);
-    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    for other in [fast, obvhs] {
+        let same = embree.iter().zip(&other).filter(|pair| near(*pair)).count();
+        assert!(same * 10 >= embree.len() * 9, "{same} of {}", embree.len());
+        let ratio = sum(&other) / sum(&embree);
+        assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    }
     let info = place.run(&["info", "room.xml", "--accel", "obvhs"]);
     assert!(info.stdout.contains("accel       obvhs"), "{}", info.stdout);
 }

@@ -1,13 +1,15 @@
 //! Many rays at once are the same as one by one.
 
-use embree4_sys::{CommittedScene, Error, Hit, IndexBuffer, Ray, VertexBuffer};
+use embree4_sys::{
+    BuildOptions, CommittedScene, Device, Error, Hit, IndexBuffer, Ray, SceneBuilder, VertexBuffer,
+};
 
-use crate::{Numbers, build, ray};
+use crate::{Numbers, ray};
 
 const ROUNDS: usize = 40_000;
 
 /// A bumpy mesh, a sphere, a disk, and a cylinder.
-fn mixed() -> Result<(CommittedScene, Vec<[f32; 3]>), Error> {
+fn mixed(robust: bool) -> Result<(CommittedScene, Vec<[f32; 3]>), Error> {
     let mut numbers = Numbers(3);
     let side = 40;
     let place = |k: u32| k as f32 / side as f32 * 1.6 - 0.8;
@@ -29,20 +31,23 @@ fn mixed() -> Result<(CommittedScene, Vec<[f32; 3]>), Error> {
         })
         .collect();
     let (vertices, indices) = (VertexBuffer::new(grid.clone()), IndexBuffer::new(triangles));
-    let scene = build(|builder| {
-        builder.add_triangles(&vertices, &indices)?;
-        builder.add_sphere([0.3, 0.2, 0.4], 0.25)?;
-        let moved = |z: f32| {
-            [
-                [0.4, 0.0, 0.1, -0.4],
-                [0.0, 0.3, 0.2, 0.3],
-                [-0.1, 0.0, 0.4, z],
-            ]
-        };
-        builder.add_disk(moved(0.5))?;
-        builder.add_cylinder(moved(-0.5)).map(drop)
-    })?;
-    Ok((scene, grid))
+    let options = BuildOptions {
+        robust,
+        ..BuildOptions::default()
+    };
+    let mut builder = SceneBuilder::with_options(&Device::new("threads=1")?, options)?;
+    builder.add_triangles(&vertices, &indices)?;
+    builder.add_sphere([0.3, 0.2, 0.4], 0.25)?;
+    let moved = |z: f32| {
+        [
+            [0.4, 0.0, 0.1, -0.4],
+            [0.0, 0.3, 0.2, 0.3],
+            [-0.1, 0.0, 0.4, z],
+        ]
+    };
+    builder.add_disk(moved(0.5))?;
+    builder.add_cylinder(moved(-0.5))?;
+    Ok((builder.commit()?, grid))
 }
 
 /// Rays in all directions, and rays right at vertices and edges, along the axes too; every tenth
@@ -92,24 +97,35 @@ fn occluded(scene: &CommittedScene, rays: &[Ray]) -> Vec<bool> {
 
 #[test]
 fn many_rays_find_what_each_one_finds() -> Result<(), Error> {
-    let (scene, vertices) = mixed()?;
-    let rays = rays(&vertices);
-    let found = (hits(&scene, &rays), occluded(&scene, &rays));
-    assert_eq!((found.0.len(), found.1.len()), (ROUNDS, ROUNDS));
-    let mut met = [0; 5];
-    for (index, ray) in rays.iter().enumerate() {
-        let alone = scene.intersect(ray);
-        assert_eq!(found.0[index], alone, "{ray:?}");
-        assert_eq!(found.1[index], scene.occluded(ray), "{ray:?}");
-        met[alone.map_or(4, |hit| hit.geometry as usize)] += 1;
+    for robust in [true, false] {
+        let (scene, vertices) = mixed(robust)?;
+        let rays = rays(&vertices);
+        let found = (hits(&scene, &rays), occluded(&scene, &rays));
+        assert_eq!((found.0.len(), found.1.len()), (ROUNDS, ROUNDS));
+        let mut met = [0; 5];
+        for (index, ray) in rays.iter().enumerate() {
+            let alone = scene.intersect(ray);
+            assert_eq!(found.0[index], alone, "robust: {robust}, {ray:?}");
+            assert_eq!(
+                found.1[index],
+                scene.occluded(ray),
+                "robust: {robust}, {ray:?}"
+            );
+            met[alone.map_or(4, |hit| hit.geometry as usize)] += 1;
+        }
+        assert!(met.iter().all(|count| *count > ROUNDS / 100), "{met:?}");
     }
-    assert!(met.iter().all(|count| *count > ROUNDS / 100), "{met:?}");
     Ok(())
 }
 
 #[test]
 fn what_a_ray_finds_does_not_depend_on_the_others() -> Result<(), Error> {
-    let (scene, vertices) = mixed()?;
+    depends_on_itself(true)?;
+    depends_on_itself(false)
+}
+
+fn depends_on_itself(robust: bool) -> Result<(), Error> {
+    let (scene, vertices) = mixed(robust)?;
     let rays = rays(&vertices);
     let (hits_of_all, occluded_of_all) = (hits(&scene, &rays), occluded(&scene, &rays));
     for step in [1, 3, 7] {

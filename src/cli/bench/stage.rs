@@ -146,7 +146,9 @@ impl Stage {
 
 /// Reads a scene; its wishes for further layers would cost time that is not the integrators'.
 fn load(course: &Course, args: &BenchArgs) -> Result<Imported, Failure> {
-    let loaded = args.scene.load(&course.scene, true, args.tracer.engine())?;
+    let loaded = args
+        .scene
+        .load(&course.scene, true, args.tracer.accel.engine())?;
     let mut imported = loaded.imported;
     imported.integrator.aovs.clear();
     imported.integrator.second_moment = false;
@@ -219,7 +221,7 @@ fn shared_key(
         ),
         ("size", json!([size.0, size.1])),
         ("threads", json!(args.threads)),
-        ("accel", json!(args.tracer.engine().name())),
+        ("accel", json!(args.tracer.accel.engine().name())),
         ("reference", json!(hash(&course.reference)?)),
         ("reference_variance", json!(optional(&course.variance)?)),
         ("mask", json!(optional(&course.mask)?)),
